@@ -17,7 +17,7 @@ from protocols.base.machine import Frame, FrameFault
 
 REOPEN_NS = 200_000_000
 LISTEN_NS = 250_000_000  # before the first burst on a bus others can be on
-DOUBLES, LEAK = 20, 16  # actual values of one axis too many until they are reported; one is forgiven in so many cycles
+DOUBLES, LEAK = 20, 16  # surplus actual values of one axis until they are reported; one is forgiven in so many cycles
 BUS_OFF = (
     "bus-off: the controller left the bus after too many errors and is restarted; check cable, termination (120 ohm at both ends) and bit"
     " rate; if it stays away: sudo ip link set can0 type can restart (axisgate does that itself where it has CAP_NET_ADMIN)"
@@ -25,7 +25,7 @@ BUS_OFF = (
 
 
 class BusTap(Protocol):
-    """What a recording takes from a bus."""
+    """A recording's access to a bus."""
 
     def sent(self, bus: int, frames: Sequence[Frame]) -> None:
         """The burst has left."""
@@ -53,7 +53,7 @@ class BusLink:
         self.tap: BusTap | None = None  # while somebody records
         self.port: CanPort | None = None
         self.fd = -1  # of the port
-        self.refused = 0  # frames the port did not take: never silent
+        self.refused = 0  # frames that the port did not accept: always counted
         self.foreign = 0
         self.last_error = ""
         self.acyclic: deque[Frame] = deque()  # from the master: one leaves with each burst, and one for each axis that has none in it
@@ -199,7 +199,7 @@ class BusLink:
         return fresh
 
     def receive_rest(self, axes: int) -> None:
-        """Before the next burst: modules of inputs are not waited for, but what they said counts."""
+        """Before the next burst: input modules are not waited for, but their frames count."""
         self.late += self.receive([None] * axes)
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""RC inputs with the correction of an application: what the interpreter writes is in force in the next cycle (AX-1062)."""
+"""RC inputs with the correction of an application: what the interpreter writes takes effect in the next cycle (AX-1062)."""
 
 from collections.abc import Mapping
 

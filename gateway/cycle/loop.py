@@ -1,10 +1,10 @@
 """The cycle: one thread, one absolute grid.  SYNC and set values leave only from here, and only from a completed cycle.
 
-Order of one cycle (AX-001): at the grid instant SYNC and the set values for the next SYNC in one burst; drives answer with what they
-latched; then the core thinks, and what it decided is published.  A grid instant that was missed is counted and never made up for.
+Order of one cycle (AX-001): at the grid instant SYNC and the set values for the next SYNC in one burst; drives answer with the latched
+values; then the core decides, and its decision is published.  A missed grid instant is counted and never made up for.
 
-Buses of any family hang on one core (AX-300).  Frames that are no cyclic data come from the master of the services through the ring
-`acyclic`, at most one a bus and cycle, and other frames of the bus go back through the ring `heard` (AX-301).
+Buses of any family are connected to one core (AX-300).  Acyclic frames come from the master of the services through the ring
+`acyclic`, at most one a bus and cycle, and other received frames go back through the ring `heard` (AX-301).
 """
 
 import argparse
@@ -47,12 +47,12 @@ PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
 WAITS_NS = 700_000_000  # in a stretched simulation: for what the machine keeps back; shorter than what the services forgive the cycle there
 JITTER = 8  # part of a period a stretched grid may be late before it is moved
-LAST_LOOKS = 4  # messages taken behind the time: what is there came in time, and a flood does not hold the cycle
+LAST_LOOKS = 4  # messages read after the deadline: those present came in time, and a flood does not hold the cycle
 ACYCLIC_AT_ONCE = 32  # records taken from the ring in one cycle: one for each axis of a cell
 
 
 def patience_ns(period_ns: int) -> int:
-    """How long after the grid instant an actual value is waited for; what is not here by then is missing (AX-149)."""
+    """How long after the grid instant to wait for an actual value; one not here by then is missing (AX-149)."""
     return period_ns - min(THINKING_NS, int(THINKING_SHARE * period_ns))
 
 
@@ -340,7 +340,7 @@ class Cycle:
         return self._image
 
     def _take_pieces(self) -> None:
-        """A few a cycle: what waits in the ring is not lost."""
+        """A few per cycle: records waiting in the ring are not lost."""
         if self.pieces is None or self.planner is None:
             return
         pid = self.planner.writer_pid

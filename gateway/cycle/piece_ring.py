@@ -7,7 +7,7 @@ from gateway.runtime.regions import RegionWriter, RingReader
 
 
 class PieceRing(RingReader):
-    """publish() behind the state of the cycle: a record counts as taken when the state that shows it is there."""
+    """publish() after the state of the cycle: a record counts as read when the published state shows it."""
 
     def __init__(self, fds: Mapping[str, int]) -> None:
         super().__init__(fds["pieces"], "pieces", PIECE_LAYOUT)

@@ -11,13 +11,13 @@ from gateway.pure.controllers.rho3.functions.dat_lines import Fault, Table
 from gateway.pure.controllers.rho3.functions.dat_parsers import parse_exprog, parse_msd, parse_phgcode, parse_texts
 from gateway.pure.controllers.rho3.functions.messages import Text
 
-MOST_BYTES = 256 * 1024  # 256 lines of 80 characters and long comments; more is no such file
+MOST_BYTES = 256 * 1024  # 256 lines of 80 characters and long comments; a larger file is not a DAT file
 CODE_PAGE = "cp437"
 
 
 @dataclass(frozen=True, slots=True)
 class DatTables:
-    """The four tables; None: there is no such file."""
+    """The four tables; None: no such file."""
 
     msd: Table[str] | None = None
     texts: Table[str] | None = None

@@ -10,7 +10,7 @@ from protocols.canopen.dictionary import Entry, ObjectDictionary, Shape
 
 
 class _Sheet(io.StringIO):
-    """`canopen` tells the kind of a file by its name."""
+    """`canopen` detects the kind of a file by its name."""
 
     name = "clean.eds"
 

@@ -36,5 +36,5 @@ def read_eds(cell: Cell, axis: Axis, *, simulated: bool) -> EdsFile | None:
 
 @functools.lru_cache(maxsize=8)
 def parsed(data: bytes) -> tuple[ObjectDictionary, tuple[eds.Fault, ...]]:
-    """Dictionary and faults of one file: the drives of a cell mostly share it, and reading it takes a tenth of a second."""
+    """Dictionary and faults of one file: most drives of a cell share it, and reading it takes a tenth of a second."""
     return eds.parse(data.decode("utf-8", "replace"))

@@ -1,4 +1,4 @@
-"""The catalogue of errors: configs/errors/*.toml, one file for each number space.  Log, page, commands and docs/errors.md take their
+"""The catalogue of errors: configs/errors/*.toml, one file for each number space.  Log, page, commands and docs/errors.md read their
 words from here; a house test compares it with the texts of the pure parts (AX-422).
 """
 
@@ -15,7 +15,7 @@ ORDER = ("axisgate", "rho3", "reis", "val3", "servodyn", "cia402", "rk512", "396
 
 @functools.cache
 def family(name: str) -> Family:
-    """One number space.  KeyError: there is no such file."""
+    """One number space.  KeyError: no such file."""
     path = FOLDER / f"{name}.toml"
     if not path.is_file():
         raise KeyError(f"family of errors {name!r}; there are {', '.join(names())}")

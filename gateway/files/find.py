@@ -13,7 +13,7 @@ SUFFIX = {"cells": ".toml", "drives": "", "robots": ".toml", "signals": ".toml",
 
 
 class ConfigNotFound(FileNotFoundError):
-    """No such file; the message names every place that was searched and what there is."""
+    """No such file; the message names every place searched and the files available."""
 
 
 def find_config(name: str, kind: str, first: Sequence[pathlib.Path] = ()) -> pathlib.Path:
@@ -35,8 +35,8 @@ def find_config(name: str, kind: str, first: Sequence[pathlib.Path] = ()) -> pat
 
 
 def beside(path: str, name: str, kind: str) -> pathlib.Path:
-    """A file another file names: beside that file first, then as `find_config` does."""
-    folder, own = pathlib.Path(path).parent, SUFFIX[kind] != ".toml"  # cells stand beside a cell, and may be called as their robot is
+    """A file that another file names: search next to that file first, then like `find_config`."""
+    folder, own = pathlib.Path(path).parent, SUFFIX[kind] != ".toml"  # cells are next to a cell, and may have the name of their robot
     return find_config(name, kind, first=[folder / each for each in (name, *(_names(name, kind) if own else ()))])
 
 
@@ -46,7 +46,7 @@ def read_text(path: pathlib.Path) -> str:
 
 
 def read_octets(path: pathlib.Path, most: int) -> bytes:
-    """A binary file, read as a whole; OSError for one of more than `most` bytes."""
+    """Read a binary file completely; OSError if it has more than `most` bytes."""
     if path.stat().st_size > most:
         raise OSError(f"{path}: {path.stat().st_size} bytes, {most} are the most")
     return path.read_bytes()

@@ -2,7 +2,7 @@
 
 UMLAUTS = "äöüÄÖÜß"
 DOS, WINDOWS = "cp850", "cp1252"
-END_OF_FILE = b"\x1a"  # as the editors of DOS wrote it; what is behind it is no text
+END_OF_FILE = b"\x1a"  # written by the editors of DOS; what follows it is not text
 
 
 def decoded(data: bytes) -> str:

@@ -1,4 +1,4 @@
-"""A PIC program of the disk judged without a cell: its symbols lie beside it, the numbered signals are where they are shipped."""
+"""Check a PIC program of the disk without a cell: its symbols are next to it, the numbered signals at their default places."""
 
 import pathlib
 

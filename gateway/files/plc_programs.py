@@ -11,7 +11,7 @@ MARKED = (b"\xff\xfe", b"\xfe\xff")  # UTF-16
 
 
 class ProgramFileFault(ValueError):
-    """A folder or file that cannot be used; the text gives the remedy."""
+    """A folder or file that cannot be used; the text names the remedy."""
 
 
 def read_programs(folder: pathlib.Path) -> dict[str, str]:

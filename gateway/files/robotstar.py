@@ -31,7 +31,7 @@ def words() -> Words:
 
 
 def sources(folder: str) -> list[Source]:
-    """All files of a memory, sorted; hidden ones are left out.  FolderFault where there is no folder."""
+    """All files of a memory, sorted, without hidden ones.  FolderFault if there is no folder."""
     root = Path(folder)
     if not root.is_dir():
         raise FolderFault(f"{folder} is no folder; name the folder that holds the programs (NAME.MPR, NAME.SPR, ..)")
@@ -86,13 +86,13 @@ def locks_of(root: Path) -> dict[str, str]:
 
 
 def write_locks(root: Path, locks: Mapping[str, str]) -> None:
-    """The file as a whole."""
+    """Write the complete file."""
     text = "".join(f"{name} = {letters}\n" for name, letters in sorted(locks.items()) if letters)
     replace(root / LOCKS, text)
 
 
 def replace(path: Path, text: str) -> None:
-    """The file as a whole: the old or the new one.  FolderFault: the old one."""
+    """Replace the complete file: the old or the new one.  FolderFault: the old one."""
     fresh = path.with_name(f".{path.name.lstrip('.')}.new")
     try:
         fresh.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The signal list of a controller family, parsed once for each state of its file: 600 signals are most of the time a check takes."""
+"""The signal list of a controller family, parsed once per state of its file: 600 signals cost most of a check's time."""
 
 import functools
 import pathlib

@@ -5,7 +5,7 @@ import pathlib
 from gateway.pure.languages.val3.disk import Disk
 
 KINDS = (".pjx", ".dtx", ".pgx", ".html", ".zip")
-BINDINGS = ".bindings.json"  # beside a page
+BINDINGS = ".bindings.json"  # next to a page
 LARGEST = 64 << 20  # bytes of all files together
 
 

@@ -16,7 +16,7 @@ MOST_RECORD = 100_000  # longer datagrams want a memfd; nothing of ours is that 
 
 
 class Journald:
-    """Follows one journal file; what journald does not take now stays for the next look."""
+    """Follows one journal file; entries that journald refuses now wait for the next look."""
 
     def __init__(self, journal: pathlib.Path, slug: str, address: str = SOCKET) -> None:
         self._slug, self._address = slug, address

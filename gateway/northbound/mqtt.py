@@ -51,7 +51,7 @@ class MqttOut:
     def publish(self, values: dict[str, Value]) -> None:
         """A look at all values: what changed becomes one message."""
         now = time.monotonic()
-        behind = self._since_whole > 0 and now - self._whole_at >= RETAINED_S  # what the broker keeps is old
+        behind = self._since_whole > 0 and now - self._whole_at >= RETAINED_S  # the broker's retained values are old
         whole = self._since_whole >= WHOLE_EVERY or self.box.dropped != self._dropped or behind
         news = values if whole else {name: value for name, value in values.items() if self._last.get(name) != value}
         self._last = dict(values)
@@ -88,7 +88,7 @@ class MqttOut:
             self._send()
 
     def _on_disconnect(self) -> None:
-        self.connected = False  # what is on its way is sent again by paho when the broker is back
+        self.connected = False  # paho sends pending messages again when the broker is back
 
     def _on_confirmed(self, mid: int) -> None:
         number = self._numbers.pop(mid, None)

@@ -51,7 +51,7 @@ class OpcuaOut:
         await server.start()
 
     async def publish(self, values: dict[str, Value], stale: bool) -> None:
-        """Changed values; `stale`: they are no longer updated, and their status shows it."""
+        """Publish changed values; `stale`: they are no longer updated, and their status shows it."""
         moment = datetime.datetime.now(datetime.UTC)
         status = ua.StatusCode(ua.StatusCodes.UncertainLastUsableValue if stale else ua.StatusCodes.Good)
         for name, value in values.items():

@@ -13,7 +13,7 @@ Row = dict[str, Any]
 
 
 class Watched:
-    """Call `look` for what only the services know; what comes from the regions is as fresh as these."""
+    """Call `look` for values that only the services have; values from the regions are equally fresh."""
 
     def __init__(self, regions: Regions) -> None:
         self.regions = regions

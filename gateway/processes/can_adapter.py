@@ -1,9 +1,9 @@
 """A CAN adapter of python-can on the local bus of a run: python -m gateway.processes.can_adapter --bus broker:NAME --port
 slcan:/dev/ttyACM0.
 
-The cycle is on broker:NAME and never waits for a library (AX-435).  What it sent is passed on while it is fresh; what the adapter hears
-goes to the local bus.  An adapter that is pulled is opened again when it is back.  At each opening the latency is measured by the cycle's
-own frames and logged: nothing is sent for it.
+The cycle is on broker:NAME and never waits for a library (AX-435).  Its frames are passed on while they are fresh; frames the adapter
+receives go to the local bus.  An adapter that was pulled is reopened when it is back.  At each opening the latency is measured by the
+cycle's own frames and logged: nothing is sent for it.
 """
 
 import argparse
@@ -86,7 +86,7 @@ class Relay:
         if now < self._again:
             return
         self._again = now + AGAIN_S
-        gc.collect()  # no collector runs by itself here, and attempts in vain leave something behind
+        gc.collect()  # automatic collection is off here, and failed attempts leave garbage
         try:
             if self._near is None:
                 self._near = BrokerPort(self._bus)
@@ -134,7 +134,7 @@ class Relay:
 
 
 def latency_words(own_ns: list[Ns], answer_ns: list[Ns]) -> str:
-    """By own frames that came back where the adapter gives them back, else by the first answer to a burst."""
+    """From own frames if the adapter echoes them, otherwise from the first answer to a burst."""
     times, what = (own_ns, "echo latency") if own_ns else (answer_ns, "own frames are not echoed; first answer to a burst")
     measured = Measured(what, sorted(each / 1e6 for each in times))
     figures = ", ".join(f"{name} {value:g}" for name, value in measured.figures().items())

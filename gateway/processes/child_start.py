@@ -52,7 +52,7 @@ class Starter:
         )
 
     def _load_shared(self, child: Child) -> None:
-        """Not sooner: emulated drives lock what there is in memory, and a cycle has nothing of the services."""
+        """Only when needed: emulated drives lock all memory there is, and a cycle needs nothing of the services."""
         if child.module in self._shared:
             with contextlib.suppress(Exception):  # the child meets the fault itself, and its words go to the journal
                 importlib.import_module(child.module)

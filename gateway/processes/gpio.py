@@ -1,9 +1,9 @@
-"""Contacts on gpiochips: a process of its own, because the character device may take its time and the cycle has none.
+"""Contacts on gpiochips: a process of its own, because the character device may be slow and the cycle must not wait.
 
     python -m gateway.processes.gpio --plan FD --fds NAME=FD,...      (started by the supervisor)
 
-Outputs show the last completed cycle (AX-404): without a new one for the time the supervisor allows the cycle, every output
-takes on_loss, or 0, and the watchdog stops.  A missing chip or line is reported once a second at most and tried again.
+Outputs show the last completed cycle (AX-404): without a new one for the time the supervisor allows the cycle, every output changes to
+on_loss, or 0, and the watchdog stops.  A missing chip or line is reported once a second at most and tried again.
 """
 
 import argparse

@@ -1,8 +1,8 @@
-"""The interpreter process: programs of the old controller (AX-860).  Orders in by a ring, inputs by a region; outputs and motion requests
-out by a ring, blocks to the planner by another.
+"""The interpreter process: programs of the old controller (AX-860).  Orders arrive by a ring, inputs by a region; outputs and motion
+requests leave by a ring, blocks to the planner by another.
 
-It may die between any two writes: the axes rest at the end of what the planner has, its processes are gone, and nothing starts by itself.
-Two times are its own: a turn, in which programs read each input once, and the longest time in which it shows life.
+It may die between any two writes: the axes stop at the end of what the planner has, its processes are gone, and nothing restarts
+automatically. Two times are its own: a turn, in which programs read each input once, and the longest time between two signs of life.
 """
 
 import argparse
@@ -137,7 +137,7 @@ class CellPort:
         self._journal.write("program", f"{program} line {line}: {text}" if line else f"{program}: {text}")
 
     def correct(self, record: bytes) -> None:
-        """To the cycle, which takes it in its next period."""
+        """To the cycle, which applies it in its next period."""
         if self._correction is not None:
             self._correction.write(record, time.monotonic_ns())
 
@@ -157,7 +157,7 @@ class InterpreterProcess:
         self.plan = plan
         self.journal = Journal(plan.journal, "interpreter")
         row = language_in(plan.cell)
-        assert row is not None  # there is no such process without one
+        assert row is not None  # this process exists only with a language
         self.period_ns = (row.turn_ms or plan.p5_ms) * 1_000_000
         self.region = RegionWriter(fds["interpreter"], "interpreter", REPORT_LAYOUT)
         self.orders = RingReader(fds["program-orders"], "program-orders", TEXT_LAYOUT)
@@ -195,7 +195,7 @@ class InterpreterProcess:
             if timer.expired():
                 self.turn()
         timer.close()
-        self.language.stop_all(time.monotonic_ns())  # what is written rarely while programs run is written now
+        self.language.stop_all(time.monotonic_ns())  # values written rarely while programs run are written now
         self._write_back()
         self.journal.close()
 

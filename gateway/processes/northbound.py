@@ -83,7 +83,7 @@ class Northside:
         return parts
 
     def _ended(self, task: "asyncio.Task[None]") -> None:
-        """One part broke: the whole process ends, and the supervisor starts it again."""
+        """One part failed: the complete process ends, and the supervisor restarts it."""
         if not task.cancelled() and (error := task.exception()) is not None:
             self.journal.write("alarm", f"northbound: {type(error).__name__}: {error}")
             self._done.set()
@@ -132,7 +132,7 @@ class Northside:
         try:
             await out.start(values(self.regions))
         except OSError:
-            with contextlib.suppress(Exception):  # half started: what it has begun is ended, the reason is what counts
+            with contextlib.suppress(Exception):  # half started: stop what has begun; report only the first reason
                 await out.stop()
             raise
         return out

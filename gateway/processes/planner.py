@@ -39,7 +39,7 @@ from motion.program.team import Kinematic
 
 TURN_NS = 5_000_000
 TAKEN = 64  # block records a turn: a long program does not keep the life counter waiting
-WORKING_NS = 20_000_000  # of a turn at most for lines of a program that is read whole, and for a law that takes long
+WORKING_NS = 20_000_000  # per turn at most, for lines of a program that is read completely, and for a law that takes long
 
 
 class PlannerProcess:
@@ -95,7 +95,9 @@ class PlannerProcess:
             raise MotionError(f"program {number}: {error}") from error
 
     def file(self, name: str, number: int) -> bytes:
-        """A BNR file beside the program, of a stream in the memory of its programs or beside the cell, as it is now; raises MotionError."""
+        """A BNR file next to the program, or for a stream in the memory of its programs or next to the cell, as it is now; raises
+        MotionError.
+        """
         if number in self.plan.programs:
             return read_bnr(self.plan.programs[number].path, name)
         folder = memory_folder(self.plan.cell)
@@ -103,7 +105,7 @@ class PlannerProcess:
         return read_bnr(str(path), path.name)
 
     def _mask(self, number: int) -> int:
-        """Axes a program moves; 0: there is no such one, which its order finds out."""
+        """Axes that a program moves; 0: no such program, which its order reports."""
         return self.plan.programs[number].mask if number in self.plan.programs else 0
 
     def run(self) -> None:
@@ -124,7 +126,7 @@ class PlannerProcess:
     def turn(self) -> None:
         """New statements, what the cycle does, pieces that are due."""
         now = time.monotonic_ns()
-        taken = self.taken.read()  # before the state: what counts as taken is in it
+        taken = self.taken.read()  # before the state: it includes what counts as taken
         payload = self.axes.read()
         state = CellState() if payload is None else unpack_cell_state(payload)
         records = heard(self.blocks, self.lines)
@@ -143,7 +145,7 @@ class PlannerProcess:
         self._report(said)
         if said != self._said:
             self._said, self._packed = said, pack_planner(said)
-        self.region.write(self._packed, now)  # a fault's words are there before the cycle hears of it
+        self.region.write(self._packed, now)  # the text of a fault is published before the cycle receives it
         for record in pieces:
             self.pieces.put(pack_piece(record, self.pieces.size))
         self.region.beat(time.monotonic_ns())

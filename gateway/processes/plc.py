@@ -1,7 +1,8 @@
 """The process of a Reis' integrated PLC: a scan each interpolation period (AX-900).
 
-It alone writes its region: markers, timers and counters, outputs.  What command sources and tools write comes by a ring and is laid in
-between two scans.  Killed, it comes back with the copy that ran, its markers and its times; outputs are 0 until its first whole scan.
+Only this process writes its region: markers, timers and counters, outputs.  Writes of command sources and tools arrive by a ring and are
+applied between two scans.  After a kill it restarts with the program copy that ran, its markers and its times; outputs are 0 until its
+first complete scan.
 """
 
 import argparse
@@ -115,7 +116,7 @@ class PlcProcess:
 
     def __init__(self, plan: RunPlan, fds: dict[str, int]) -> None:
         controller, folder = plan.cell.controller, plc_folder(plan.cell)
-        assert controller is not None and controller.plc is not None and folder is not None  # there is no such process without them
+        assert controller is not None and controller.plc is not None and folder is not None  # this process exists only with them
         self.plan, self.folder, self.table = plan, folder, controller.plc
         self.journal = Journal(plan.journal, "plc")
         self.region = RegionWriter(fds["plc"], "plc", PLC_LAYOUT)
@@ -134,7 +135,7 @@ class PlcProcess:
         self.keeper = Keeper(kept_file(plan), self.journal)
         self._kept, self._kept_ns = b"", 0
         self._shown, self._shown_ns = PlcShown(), 0
-        self.shown.write(pack_shown(self._shown), self.run_id)  # what a process before showed is over
+        self.shown.write(pack_shown(self._shown), self.run_id)  # discard what an earlier process showed
         self._begin()
 
     # ---- start ---------------------------------------------------------------------------------------------------------
@@ -142,7 +143,7 @@ class PlcProcess:
         """After a death the copy that ran, with its markers; else the start program with what outlived power-off."""
         last, now = self.region.latest(), time.monotonic_ns()
         before = None if last is None else unpack_plc(last)
-        if before is not None:  # before anything that takes time
+        if before is not None:  # before anything slow
             gone = replace(before, id=self.run_id, running=False, outputs=bytes(AREA), written=bytes(AREA))
             self.region.write(pack_plc(gone), now)
         self._read_sources()
@@ -233,7 +234,7 @@ class PlcProcess:
         self.region.beat(time.monotonic_ns())
 
     def _more(self, routine: str, line: int) -> int:
-        """A scan that has used its allowance goes on while the watchdog allows it."""
+        """A scan beyond its allowance continues while the watchdog allows it."""
         if time.monotonic_ns() - self._scan_begun >= self.table.watchdog * TICK_NS:
             raise TimeError(routine, line)
         return GO_ON
@@ -299,7 +300,7 @@ class PlcProcess:
         self.region.write(pack_plc(report), now)
 
     def _show(self, now: int) -> None:
-        """The test display behind a whole scan, a few times a second."""
+        """Update the test display after a complete scan, a few times a second."""
         if now - self._shown_ns < SHOW_NS or (self.plc.scans == self._shown.scans and bool(self.plc.watched[0]) == bool(self._shown.name)):
             return
         steps = self.plc.display()

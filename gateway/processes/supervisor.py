@@ -31,11 +31,11 @@ WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
 WINDOW_NS = 60_000_000_000
 TOO_MANY = 6
 SLOW_NS = 10_000_000_000  # between two starts of a process that died so often
-STAYS_DOWN = "cycle"  # moves axes: after so many deaths a person looks first
+STAYS_DOWN = "cycle"  # moves axes: after so many deaths the operator must check first
 END_S = 0.1  # patience with the death of a process that was ended; one that hangs in the kernel is buried later
-BUSY_REPORT_NS = 10_000_000_000  # a process the machine gives no processor to is reported at most so often
+BUSY_REPORT_NS = 10_000_000_000  # report interval for a process that gets no processor time
 POLL_S = 0.01
-SPARE_NS = 200_000_000  # after a start: a copy with everything loaded takes nothing from it (AX-1740)
+SPARE_NS = 200_000_000  # after a start: loading the copy then costs the new process no processor time (AX-1740)
 SPARE_AGAIN_NS = 1_500_000_000  # between two spares: one that died is not replaced at once
 GOES_ON = "; the run continues; to end it: axisgate stop {slug}"
 SAID_ONCE = {  # signals of a terminal that end or suspend nothing
@@ -198,7 +198,7 @@ class Supervisor:
             running.spare, running.spare_at = None, now_ns() + SPARE_AGAIN_NS
         if running.spare is None and now_ns() > max(running.start.started_ns + SPARE_NS, running.spare_at):
             running.spare_at = now_ns() + SPARE_AGAIN_NS
-            with contextlib.suppress(OSError, subprocess.SubprocessError):  # tried again soon; without one a start takes longer
+            with contextlib.suppress(OSError, subprocess.SubprocessError):  # tried again soon; without a spare a start takes longer
                 running.spare = Spare(self._starter.start(running.child, spare=True))
 
     def _check_life(self, running: Running) -> None:
@@ -275,7 +275,7 @@ class Supervisor:
                 process.kill()
                 process.wait()
         self._requests.close()
-        with contextlib.suppress(OSError):  # services that were killed could not take theirs away
+        with contextlib.suppress(OSError):  # killed services could not remove theirs
             (runtime_dir() / f"{self.plan.slug}-services.sock").unlink(missing_ok=True)
         self._selector.close()
         for fd in (*self.fds.values(), self._plan_fd):

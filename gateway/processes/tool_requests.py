@@ -25,7 +25,7 @@ class ToolRequests:
     def __init__(self, slug: str, selector: selectors.BaseSelector, answer: Answer) -> None:
         self.path: pathlib.Path = runtime_dir() / f"{slug}.sock"
         self._slug, self._selector, self._answer = slug, selector, answer
-        self._tools: dict[socket.socket, tuple[int, bytearray]] = {}  # since when it is there, what it said so far
+        self._tools: dict[socket.socket, tuple[int, bytearray]] = {}  # time of connection, text received so far
         self._socket = self._listen()
 
     def close(self) -> None:
@@ -63,7 +63,7 @@ class ToolRequests:
             self._selector.register(connection, selectors.EVENT_READ, lambda _: self._listen_to(connection))
 
     def _listen_to(self, tool: socket.socket) -> None:
-        """One request: a JSON object, its end marked by a newline or by being whole."""
+        """One request: a JSON object, its end marked by a newline or by being complete."""
         heard = self._tools[tool][1]
         try:
             data = tool.recv(REQUEST_BYTES)
@@ -97,7 +97,7 @@ class ToolRequests:
 
 
 def _request(heard: bytes) -> dict[str, object] | None:
-    """What the tool asked for; None: no whole JSON object yet."""
+    """The tool's request; None: no complete JSON object yet."""
     try:
         request = json.loads(heard)
     except ValueError:  # also what is not UTF-8

@@ -13,7 +13,7 @@ from gateway.runtime.safe_file import write_whole
 
 
 class Val3Programs:
-    """The files are read before each start; what libSave writes is on the disk at the end of the turn."""
+    """The files are read before each start; libSave's data are written to the disk at the end of the turn."""
 
     def __init__(self, plan: RunPlan, port: Port) -> None:
         table = plan.cell.val3

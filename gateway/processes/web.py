@@ -1,7 +1,7 @@
-"""The web process: serves the page of one run; started by the supervisor where the cell or the command line asks for it (AX-470).
+"""The web process: serves the page of one run; started by the supervisor if the cell or the command line requests it (AX-470).
 
-It reads the regions and never writes one; it runs at low priority, so a busy page takes no time from the cycle.  It may die at any time:
-the supervisor starts it again, and open pages connect by themselves.
+It reads the regions and never writes one; it runs at low priority, so a busy page costs the cycle no time.  It may die at any time:
+the supervisor starts it again, and open pages reconnect automatically.
 """
 
 import argparse
@@ -31,7 +31,7 @@ from gateway.web.store import Store
 from gateway.web.unfinished_requests import PatientHttp, PatientServer
 
 NICE = 5
-SETTLE_TICKS = 10  # between two looks at what the disk did not take; a second
+SETTLE_TICKS = 10  # between two looks at writes the disk refused; one second
 SELDOM_S, MOST_WORDS = 60.0, 100
 MOST_FILES = 8192  # handshakes that never end hold one each for five seconds
 
@@ -88,7 +88,7 @@ class Seldom(logging.Filter):
 
 
 def opened(path: pathlib.Path, journal: Journal, life: Life) -> Store:
-    """Users and audit of the page, as soon as its disk lets them be opened; waiting is reported once and is no death."""
+    """Users and audit of the page, as soon as its disk can be opened; waiting is reported once and does not end the process."""
     waits = False
     while True:
         try:

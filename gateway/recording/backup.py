@@ -32,12 +32,12 @@ MOST_BYTES = 512 << 20  # all files of a backup together
 RETAINED = "retained data"
 KEY, USERS = "key", "users of the page"
 SECRETS = (KEY, USERS)
-SECRET_KEYS = ("key", "tls_key", "password_file")  # of a cell file: what they name is a secret
+SECRET_KEYS = ("key", "tls_key", "password_file")  # of a cell file: they name files with secrets
 SEEN_BYTES = 1 << 16  # of a file that may hold a private key
 
 
 class BackupError(Exception):
-    """The file is no backup, or does not fit here; the message gives the reason."""
+    """The file is not a backup, or does not fit here; the message names the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ def make(cell: Cell, target: pathlib.Path, *, secrets: bool = False) -> Manifest
             archive.writestr(MANIFEST, json.dumps(_as_json(manifest), indent=1, ensure_ascii=False))
             for name, (_, path) in found.items():
                 archive.write(path, name)
-    read(partial)  # what cannot be read back is no backup
+    read(partial)  # a file that cannot be read back is not a backup
     put_in_place(partial, target)
     return manifest
 
@@ -124,7 +124,7 @@ def named_by(file: pathlib.Path) -> list[pathlib.Path]:
     """Files any value of the cell file names, and those of folders it names; packaged ones come with axisgate."""
     found: dict[pathlib.Path, None] = {}
     for text in _strings(tomllib.loads(read_text(file))):
-        with contextlib.suppress(OSError, ValueError):  # values that are no file names at all
+        with contextlib.suppress(OSError, ValueError):  # values that are not file names at all
             path = (file.parent / text).resolve()
             if text.strip("./") and path.is_file() and path != file:
                 found[path] = None
@@ -146,7 +146,7 @@ def _role(cell: Cell, path: pathlib.Path) -> str:
 
 
 def _under(value: object, keys: tuple[str, ...]) -> Iterator[str]:
-    """Texts that stand under one of these keys."""
+    """Texts under one of these keys."""
     if isinstance(value, dict):
         for key, each in value.items():
             if key in keys and isinstance(each, str):
@@ -212,9 +212,9 @@ def try_out(path: pathlib.Path, manifest: Manifest) -> None:
 
 
 def restore(path: pathlib.Path, manifest: Manifest, folder: pathlib.Path) -> list[pathlib.Path]:
-    """Puts the files in place; present files are kept beside, and their new names are returned.  BackupError: nothing was changed.
+    """Put the files in place; keep the present files under new names, which are returned.  BackupError: nothing was changed.
 
-    Everything is unpacked beside its place and checked first, so a fault changes nothing; then each file is replaced as a whole.
+    Everything is first unpacked next to its place and checked, so a fault changes nothing; then each file is replaced in one step.
     """
     folder.mkdir(parents=True, exist_ok=True)
     kept: list[pathlib.Path] = []
@@ -240,7 +240,7 @@ def restore(path: pathlib.Path, manifest: Manifest, folder: pathlib.Path) -> lis
 
 
 def check(folder: pathlib.Path, manifest: Manifest) -> Cell:
-    """The cell as it was unpacked.  BackupError: this version of axisgate does not take it."""
+    """Check the unpacked cell.  BackupError: this version of axisgate does not accept it."""
     if _number(manifest.version) > _number(version()):
         raise BackupError(f"made by axisgate {manifest.version}; this is {version()}, which is older")
     try:

@@ -1,4 +1,4 @@
-"""A recording as a file: written block by block by the recorder, read again up to its last whole block (AX-483)."""
+"""A recording as a file: written block by block by the recorder, read again up to its last complete block (AX-483)."""
 
 import json
 import os
@@ -18,14 +18,14 @@ WRITE_BYTES = 1 << 16
 
 
 class RecordError(Exception):
-    """A file that is no recording, or one this version cannot take; the message names the file and what to do."""
+    """A file that is not a recording, or one this version cannot read; the message names the file and the remedy."""
 
 
 class Writer:
     """Appends to one file.  What was taken is on its way to the disk after `flush`."""
 
     def __init__(self, path: pathlib.Path, head: Mapping[str, Any], cell: bytes) -> None:
-        """Begins a new file, or goes on behind the last whole block of one; `resumed` says which."""
+        """Begin a new file, or continue after the last complete block of one; `resumed` reports which."""
         self.resumed = path.exists() and path.stat().st_size > 0
         self._waiting, self._asides = bytearray(), bytearray()
         self._first: int | None = None

@@ -1,4 +1,4 @@
-"""The recorder: takes what the cycle and the services put into their rings and keeps it in a file.  A process of its own (AX-482)."""
+"""The recorder: writes the records of the cycle's and the services' rings to a file.  A process of its own (AX-482)."""
 
 import contextlib
 import json

@@ -43,7 +43,7 @@ class Verdict:
     first: Difference | None = None
     also: int = 0  # more differences in the same cycle
     at_s: float = 0.0  # of the first difference, since the beginning of the recording
-    events_before: list[ServiceEvent] = field(default_factory=list)  # what command sources and tools said in the second before it
+    events_before: list[ServiceEvent] = field(default_factory=list)  # inputs of command sources and tools in the second before it
     without_outputs: int = 0  # cycles that had nothing to be compared with
 
 
@@ -125,7 +125,7 @@ def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int],
     was_core, was_families, _ = before.core()
     core, families, encoders = then.core()
     kept = Snapshots(was_core, was_families)
-    was = pickle.loads(kept.take(Start(was_core, was_families, [], [])))  # settings stand in it as in the recording: by their numbers
+    was = pickle.loads(kept.take(Start(was_core, was_families, [], [])))  # settings in it are numbers, as in the recording
     settings = places_of(kept.settings, Snapshots(core, families).settings)
     try:
         core = carry_over(renamed(start["core"]), frozen(was.core), core, settings)
@@ -138,7 +138,7 @@ def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int],
 
 
 def _set_encoders(kept: Sequence[Sequence[Any]], encoders: Sequence[Mapping[int, Encoder]], belts: CoreBelts) -> None:
-    """As they stood; a belt whose encoder has moved to another telegram begins anew."""
+    """As they were; a belt whose encoder has moved to another telegram begins anew."""
     for each in encoders:
         for encoder in each.values():
             encoder.belts = belts  # those of the state that was carried over

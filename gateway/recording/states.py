@@ -1,6 +1,6 @@
-"""The state a recording begins with: what the cycle's core and buses hold at rest, as JSON that no code is run from (AX-484).
+"""The state a recording begins with: the objects of the cycle's core and buses at rest, as JSON that runs no code (AX-484).
 
-The cycle pickles its objects, which takes it less than a millisecond; the recorder makes `frozen` trees of them.  A replay builds the same
+The cycle pickles its objects, in less than a millisecond; the recorder makes `frozen` trees of them.  A replay builds the same
 objects out of the cell, freezes them as well and carries over only what differed: what a cell file sets comes from the cell replayed.
 """
 
@@ -43,7 +43,7 @@ class Start:
     def __init__(
         self, core: object, families: list[Any], late: list[int], sent_ns: list[int], encoders: "list[list[int | None]] | None" = None
     ) -> None:
-        """`encoders`: of belts, each bus, identifier, what it said last (None: nothing yet), its count."""
+        """`encoders`: for each belt its bus, its identifier, its last telegram (None: nothing yet), its count."""
         self.core, self.families, self.late, self.sent_ns = core, families, late, sent_ns
         self.encoders = encoders or []
 
@@ -101,8 +101,9 @@ def _array(value: object) -> bool:
 
 
 def _solver(value: object) -> bool:
-    """What is no class, none of our objects and no plain container: solvers, functions, codecs.  A part in C of one of our classes says
-    itself as what it is kept."""
+    """Whether a value is a solver, function or codec: not a class, not an object of this package, not a plain container.  A part in C of
+    one of our classes declares itself what it is stored as.
+    """
     kind = type(value)
     ours = any(f"{each.__module__}.".startswith((*OURS, f"{__name__}.")) for each in kind.__mro__)
     return not (isinstance(value, type) or kind in CONTAINERS or ours)

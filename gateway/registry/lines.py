@@ -30,7 +30,7 @@ class LineLayer:
     commands: bool = True  # it is a command source
     blocks: bool = False  # [[db]] are served by number, with jobs of RK512
     first: bool = False  # the usual one: blocks without a line are of the only line of this layer, else of the only one that serves any
-    telegrams: bool = False  # [[telegram]] belong to it; a quiet partner is no loss
+    telegrams: bool = False  # [[telegram]] tables belong to it; a quiet partner is not a loss
     shadowed: bool = False  # a shadow understands it
     kinds: str = "DXEAMTZ"  # of blocks that it carries
     profile: str = ""  # a station of this profile speaks it whatever the layer says

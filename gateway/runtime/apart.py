@@ -11,9 +11,9 @@ T = TypeVar("T")
 
 
 def apart(work: Callable[[], T]) -> T:
-    """The result of `work`, which must be picklable; what it prints is printed.
+    """The result of `work`, which must be picklable; its output is printed.
 
-    Where no copy can be made, or the copy ends without a result, the work is done here: it then fails as it would have anyhow.
+    If no copy can be made, or the copy ends without a result, the work is done here: it then fails as it would have anyhow.
     """
     _flush()
     read, write = os.pipe()

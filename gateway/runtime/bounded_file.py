@@ -1,7 +1,7 @@
-"""A file that is only appended to, kept within a bound, and whose disk may be full: neither ends or stops its writer.
+"""An append-only file of limited size on a disk that may be full: neither limit ends or stops its writer.
 
-Beyond `limit` it becomes NAME.1 (the one before is gone) and a new one begins with `head`, so both together stay within 2 x limit and the
-newest is kept.  What a full disk does not take is counted; when it takes something again, `remark` reports how much is missing.
+Beyond `limit` it becomes NAME.1 (replacing the previous one) and a new one begins with `head`: both together stay within 2 x limit, and the
+newest is kept.  Lines that a full disk refuses are counted; when it accepts writes again, `remark` reports how many are missing.
 """
 
 import contextlib
@@ -17,7 +17,7 @@ class BoundedFile:
     """Raises OSError only when it is opened."""
 
     def __init__(self, path: str | pathlib.Path, head: bytes, remark: Callable[[int, str], bytes], limit: int = LIMIT) -> None:
-        """`remark`: a line for so many lost ones and the reason."""
+        """`remark`: returns a line for so many lost ones and the reason."""
         self._path, self._head, self._remark, self._limit = pathlib.Path(path), head, remark, limit
         self._fd = self._open()
         self._size = os.fstat(self._fd).st_size

@@ -1,7 +1,7 @@
-"""Standard output of a run: a line for a person, which never holds the process up and never ends it.
+"""Standard output of a run: lines for the operator, which never block the process and never end it.
 
-A reader that went away (EPIPE), a terminal that hung up (EIO) or was stopped (Ctrl-S), a full disk behind `> file`: lines are left out and
-counted.  It is reported once when that begins and once when it is over; the caller keeps these sentences in the journal.
+A reader that went away (EPIPE), a terminal that hung up (EIO) or was stopped (Ctrl-S), a full disk behind `> file`: lines are dropped and
+counted.  The begin and the end are reported once each; the caller writes these sentences to the journal.
 """
 
 import contextlib
@@ -63,7 +63,7 @@ class Console:
                     raise OSError(errno.EBADF, "it is closed")
                 if not self._poll.poll(0):
                     raise BlockingIOError(errno.EAGAIN, STOPPED)
-                left = left[os.write(self._fd, left[:512]) :]  # a pipe that takes anything takes 512 bytes whole (POSIX)
+                left = left[os.write(self._fd, left[:512]) :]  # a pipe that accepts anything accepts 512 bytes at once (POSIX)
         except BlockingIOError:
             self._rest = left if begun or len(left) < len(octets) else b""
             raise
@@ -85,7 +85,7 @@ def _own(fd: int) -> int:
     try:
         mode = os.fstat(fd).st_mode
         if stat.S_ISFIFO(mode) or stat.S_ISCHR(mode):
-            with contextlib.suppress(OSError):  # another user's terminal: then what is writable is asked before every write
+            with contextlib.suppress(OSError):  # another user's terminal: then check before every write whether it is writable
                 return os.open(f"/proc/self/fd/{fd}", os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
         return os.dup(fd)
     except OSError:

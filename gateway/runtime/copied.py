@@ -20,7 +20,7 @@ import traceback
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 NAME_BYTES = 15  # of a process in `top`: proc(5), comm
-ARGUMENTS = slice(45, 47)  # where its command line begins and ends: proc(5), stat, fields 48 and 49, counted behind the name
+ARGUMENTS = slice(45, 47)  # place of the begin and end of its command line: proc(5), stat, fields 48 and 49, counted after the name
 ALL_SIGNALS = signal.valid_signals()
 
 
@@ -46,7 +46,7 @@ def start_copy(
     """`main(arguments)` of that module in a copy of this process, a session of its own; standard output and error are a pipe.
 
     `keep`: files it gets, by their numbers; `environment` is added to that of this process; `first` is called first.
-    OSError: there is no memory or no process left.
+    OSError: no memory or no process left.
     """
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ALL_SIGNALS)  # a signal must find the child's own handlers, not ours in it
     try:
@@ -110,7 +110,7 @@ def _become(
 
 
 def _own_signals() -> None:
-    """As in a new Python: what was handled is at its default, what was ignored stays ignored."""
+    """As in a new Python process: handled signals return to the default, ignored ones stay ignored."""
     for number in ALL_SIGNALS:
         if callable(signal.getsignal(number)):
             signal.signal(number, signal.SIG_DFL)
@@ -123,12 +123,12 @@ def _own_signals() -> None:
 def _close_all_but(keep: Collection[int]) -> None:
     ends = [*sorted(keep), os.sysconf("SC_OPEN_MAX")]
     for before, end in itertools.pairwise([-1, *ends]):
-        if before + 1 < end:  # closerange takes an empty range at 0 for all there are
+        if before + 1 < end:  # with an empty range at 0 closerange would close all
             os.closerange(before + 1, end)
 
 
 def _own_streams() -> None:
-    """Empty ones: what the parent has not written yet is its own."""
+    """Empty streams: unwritten output of the parent belongs to the parent."""
     sys.stdin = io.TextIOWrapper(io.BufferedReader(io.FileIO(0, closefd=False)), encoding="utf-8")
     sys.stdout, sys.stderr = (
         io.TextIOWrapper(

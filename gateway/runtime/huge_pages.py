@@ -15,10 +15,10 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 def use_huge_pages() -> int:
-    """Collects what this process has allocated until now into such pages; how many bytes are in them.
+    """Collect the memory of this process in huge pages; return how many bytes are in them.
 
-    Call it when everything is built, before a loop that must not wait: it takes 2 to 4 ms for each page.  A kernel without them, or
-    without memory for them, leaves everything as it is.
+    Call it when everything is built, before a loop that must not wait: it takes 2 to 4 ms per page.  A kernel without huge pages, or
+    without memory for them, changes nothing.
     """
     collected = 0
     with contextlib.suppress(OSError, ValueError, AttributeError):
@@ -31,7 +31,7 @@ def use_huge_pages() -> int:
 
 
 def _ranges() -> Iterator[tuple[int, int]]:
-    """(address, size) of whole such pages within memory of this process alone that no file is behind.  Source: proc(5), maps."""
+    """(address, size) of complete huge pages within private memory of this process without a file.  Source: proc(5), maps."""
     with open("/proc/self/maps", encoding="utf-8", errors="replace") as file:
         lines = file.readlines()
     for line in lines:

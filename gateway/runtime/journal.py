@@ -1,7 +1,7 @@
-"""The journal: one JSON object a line, appended by every process of a run (whole lines, so writers never mix).
+"""The journal: one JSON object per line, appended by every process of a run (complete lines, so writers never mix).
 
-It never stops its writer: what a full disk does not take is counted, and reported once it is taken again.  It turns over while the run
-goes on: beyond LIMIT the file becomes NAME.1 (the one before is gone) and a new one begins, so both together stay within 2 x LIMIT.
+It never stops its writer: lines that a full disk refuses are counted, and reported once it accepts writes again.  It rotates during the
+run: beyond LIMIT the file becomes NAME.1 (replacing the previous one) and a new one begins, so both together stay within 2 x LIMIT.
 """
 
 import contextlib
@@ -125,7 +125,7 @@ def turn_over(path: pathlib.Path, limit: int = LIMIT) -> None:
 
 
 class JournalReader:
-    """Follows a journal as it grows, also over a turnover.  `tail`: begin so many bytes before its end; None: at its beginning."""
+    """Follows a journal as it grows, also over a rotation.  `tail`: begin so many bytes before its end; None: at its beginning."""
 
     def __init__(self, path: pathlib.Path, tail: int | None = None) -> None:
         self._path = path

@@ -1,7 +1,7 @@
-"""Life counter of a process that publishes no region of its own (broker, adapter, page, northbound).
+"""Life counter of a process without a region of its own (broker, adapter, page, northbound).
 
-The supervisor passes down a region whose descriptor is in $AXISGATE_LIFE.  The loop of the process beats, never a thread or a timer
-beside it: a loop that hangs shows no life.
+The supervisor passes down a region whose descriptor is in $AXISGATE_LIFE.  The loop of the process beats, never a separate thread or timer:
+a loop that hangs shows no life.
 """
 
 import os

@@ -9,7 +9,7 @@ from gateway.runtime.state_folder import place
 
 
 def data_file(cell: Cell, web: Web, *, simulated: bool) -> pathlib.Path:
-    """The path in [web] data, else beside the cell file; of a simulated cell in the runtime folder (gateway.runtime.state_folder)."""
+    """The path in [web] data, else next to the cell file; for a simulated cell in the runtime folder (gateway.runtime.state_folder)."""
     file = pathlib.Path(cell.file).resolve()
     if web.data:
         return file.parent / web.data / f"{file.stem}.sqlite"

@@ -41,10 +41,10 @@ _libc.timerfd_settime.argtypes = (ctypes.c_int, ctypes.c_int, ctypes.POINTER(_It
 
 
 def go_realtime(priority: int) -> list[str]:
-    """SCHED_FIFO at `priority` (1..99), memory locked and in huge pages, no garbage collector; a warning for each that was refused.
+    """Set SCHED_FIFO at `priority` (1..99), lock memory in huge pages, stop the garbage collector; return a warning for each refusal.
 
-    Children start without the real-time class.  Call it when everything is imported and built: what exists is frozen out of the collector.
-    Where the class is refused, short turns are asked for: beside busy programs the process wakes milliseconds earlier (AX-916).
+    Children start without the real-time class.  Call it when everything is imported and built: existing objects are frozen out of the
+    collector. If the class is refused, it requests short time slices: on a busy computer the process wakes milliseconds earlier (AX-916).
     """
     refused = _fifo(priority)
     if refused:

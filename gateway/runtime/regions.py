@@ -1,11 +1,10 @@
-"""Process image: regions and rings in memfds, one writing process each, any number of readers, no one waits.
+"""Process image: regions and rings in memfds, one writing process each, any number of readers, without waiting.
 
 Source: docs/architecture.md, "Processes, regions, restart"; AX-090 (bytes), AX-091 (store order and take-over).
 
 A region shows the newest payload: 4 slots, the writer fills the next one and publishes with one aligned 64-bit store; a reader copies and
-then looks whether the writer could meanwhile have come round to its slot.  A ring shows every record, once, in order, to readers that keep
-up; the others count what they missed.  Flow control, where it is wanted, is the user's business: a consumer reports `RingReader.position`
-in a region of its own.
+then checks whether the writer could have reached its slot again.  A ring shows every record, once, in order, to readers that keep up; the
+others count what they missed.  Flow control, if needed, is up to the user: a consumer reports `RingReader.position` in a region of its own.
 """
 
 import fcntl
@@ -201,14 +200,14 @@ class _Writer(_Mapped):
         self._octets[at : at + len(octets)] = octets
 
     def beat(self, stamp_ns: int) -> None:
-        """Life counter + 1; the pair of count and stamp is published whole."""
+        """Life counter + 1; count and stamp are published together."""
         count = self._words[LIFE] + 1
         self._store(self._words, LIFE_STAMP + (count & 1), stamp_ns)
         _fence()
         self._store(self._words, LIFE, count)
 
     def close(self) -> None:
-        """Give the writing up, so that another living process may take over; unmap."""
+        """Stop writing, so that another living process may take over; unmap."""
         if self._words[WRITER] == _identity():
             self._store(self._words, WRITER, 0)
         super().close()
@@ -251,7 +250,7 @@ class RegionReader(_Mapped):
         self._copy: bytes | None = None
 
     def read(self) -> bytes | None:
-        """The newest whole payload; None: nothing was published yet.  `index` and `stamp_ns` belong to what it returned."""
+        """The newest complete payload; None: nothing was published yet.  `index` and `stamp_ns` belong to it."""
         words = self._words
         for _ in range(TRIES):
             index = words[PUBLISHED]

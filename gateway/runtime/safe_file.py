@@ -1,4 +1,4 @@
-"""Files that have to be there after a power failure: written whole beside their place, flushed to the disk, then put in place."""
+"""Files that must survive a power failure: written completely next to their place, flushed to the disk, then put in place."""
 
 import contextlib
 import errno

@@ -10,7 +10,7 @@ OPTION = "--spare"
 
 
 def called() -> bool:
-    """In the spare: waits; True: take over.  False: the supervisor needs it no more, or is gone."""
+    """In the spare: wait.  True: take over.  False: the supervisor no longer needs it, or is gone."""
     return sys.stdin.buffer.readline() == b"go\n"
 
 

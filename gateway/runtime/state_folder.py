@@ -1,8 +1,8 @@
-"""Where what has to outlive a run is kept: zeros, last places, confirmations, retained data, users of the page, the journal.
+"""Folder of all data that outlive a run: zeros, last places, confirmations, retained data, users of the page, the journal.
 
-$AXISGATE_STATE names one folder for all of it; without it the state of a cell lies beside its file.  What lies beside the file already
-(an earlier run, a restored backup) counts before the folder.  A shipped cell and one in a folder that cannot be written have only the
-runtime folder left, which a restart of the computer empties: `axisgate run` reports it.
+$AXISGATE_STATE names one folder for all of it; without it the state of a cell is next to its file.  State already next to the file (an
+earlier run, a restored backup) has priority over the folder.  A shipped cell and one in a read-only folder can use only the runtime folder,
+which a restart of the computer empties: `axisgate run` reports it.
 """
 
 import hashlib

@@ -18,7 +18,7 @@ SUFFIXES = (".csv", ".mf4")
 
 
 class RecordingError(Exception):
-    """A file that is no recording, or a format it cannot be written in; the message names the file and what to do."""
+    """A file that is not a recording, or a format it cannot be written in; the message names the file and the remedy."""
 
 
 @dataclass(slots=True)
@@ -44,7 +44,7 @@ class Recording:
 
 
 def save(recording: Recording, path: pathlib.Path) -> None:
-    """Writes it whole."""
+    """Write the complete recording."""
     head = {
         "format": FORMAT,
         "channels": [list(pair) for pair in zip(recording.names, recording.units, strict=True)],

@@ -13,7 +13,7 @@ from gateway.pure.arbitration.jobs import DispatcherEvent
 from gateway.pure.image.alarms import Alarms, Record, alarm_rows
 from gateway.runtime.journal import Journal
 
-LIMIT = 4 << 20  # bytes of one file; the one before is kept beside it: some 40,000 records
+LIMIT = 4 << 20  # bytes of one file; the previous one is kept as well: some 40,000 records
 COLUMNS = ("number", "came", "acknowledged", "by", "gone", "code", "source", "text")
 
 

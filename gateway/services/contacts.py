@@ -33,7 +33,7 @@ class DigitalContacts(Part):
         cell = run.cell
         self._run, self._image, self._values, self._coupler_fault, self.contacts = run, image, values, coupler_fault, cell.io
         self.by_name = {io.name: n for n, io in enumerate(cell.io)}
-        self.said = [Said()] * len(cell.io)  # inputs as heard; outputs as their device confirms them
+        self.said = [Said()] * len(cell.io)  # inputs as received; outputs as confirmed by their device
         self.shown = [Said()] * len(cell.io)  # what we say of outputs
         self._routed: dict[int, bool] = {}
         self._forced: dict[int, tuple[bool, Ns]] = {}
@@ -178,14 +178,14 @@ class DigitalContacts(Part):
         ]
 
     def _why(self, n: int) -> str:
-        """Of a contact that is not good: what is wrong with its coupler, by object; empty: nothing known."""
+        """Reason why a contact is not good: its coupler's fault, by object; empty: nothing known."""
         device = self.contacts[n].device
         if device.type != COUPLER or device.node is None or self.said[n].quality is Quality.GOOD:
             return ""
         return self._coupler_fault(device.bus, device.node)
 
     def faults(self) -> list[str]:
-        """One sentence for each coupler that is not served whole, with the contacts that are not good."""
+        """One sentence for each coupler that is not served completely, with the contacts that are not good."""
         found: dict[str, list[str]] = {}
         for n, io in enumerate(self.contacts):
             if why := self._why(n):

@@ -20,7 +20,7 @@ class ModbusContacts:
     """All couplers of a run; `start` inside the loop, `step` with the cycle."""
 
     def __init__(self, run: RunContext, image: SharedImage, heard: Callable[[int, Said | None], None]) -> None:
-        """`heard`: what a contact says; None: its device is silent."""
+        """`heard`: reported level of a contact; None: its device is silent."""
         cell = run.cell
         self._run, self._image, self._heard = run, image, heard
         self._mine = {n: io for n, io in enumerate(cell.io) if io.device.type == MODBUS}

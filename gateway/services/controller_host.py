@@ -43,7 +43,7 @@ class Panel(Protocol):
 
 
 class Parameters(Protocol):
-    """What a rho 3 has beside any control (gateway.services.rho3_panel); loaded only where there is one."""
+    """What a rho 3 adds to the interface of a control (gateway.services.rho3_panel); loaded only for a rho 3."""
 
     @property
     def halted(self) -> bool:
@@ -73,7 +73,7 @@ class CellPrograms(Protocol):
         """After it: what a person should read."""
 
     def pass_on(self) -> None:
-        """Orders to the interpreter, behind those to the planner."""
+        """Pass orders to the interpreter, after those to the planner."""
 
     def ending(self) -> list[int]:
         """Jobs of an interpreter that is gone."""
@@ -110,7 +110,7 @@ class ControllerHost(Part):
         fds: Mapping[str, int],
         now: Ns,
     ) -> None:
-        """`last_heard`: when a command source heard its partner last; `end_programs`: nothing follows for these jobs any more."""
+        """`last_heard`: when a command source last received from its partner; `end_programs`: no blocks follow for these jobs."""
         run, image = context.run, context.image
         self._run, self._image, self.errors = run, image, errors
         self._last_heard, self._end_programs = last_heard, end_programs
@@ -195,7 +195,7 @@ class ControllerHost(Part):
             self.step(now)
 
     def pass_on(self) -> None:
-        """Planner and cycle have their orders: the interpreter may hear of them."""
+        """Planner and cycle have their orders: now pass them to the interpreter."""
         if self.programs is not None:
             self.programs.pass_on()
 
@@ -222,7 +222,7 @@ class ControllerHost(Part):
             self.errors.gone(code, where, _source(code))
 
     def status(self) -> dict[str, object]:
-        """For tools; nothing where there is no control."""
+        """For tools; empty without a control."""
         return {} if self.control is None else {"controller": self.control.status()}
 
 

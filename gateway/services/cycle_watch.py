@@ -1,4 +1,4 @@
-"""What the cycle publishes, as the services take it over; and what becomes of it when the cycle is gone."""
+"""Takes over what the cycle publishes, and invalidates it when the cycle is gone."""
 
 from gateway.assembly.axis_zeros import torn_lines
 from gateway.assembly.last_positions import LastPlaces, judge
@@ -82,7 +82,7 @@ class CycleWatch(Part):
         return planner.placed if planner is not None else 0
 
     def keep_places(self) -> None:
-        """At each tick, behind everything else: every second it is kept."""
+        """Call it in each tick after everything else: the places are kept once per second."""
         self._ticks += 1
         if self._ticks % PLACES_EVERY == 0 and self._judged:
             self._places.look(self._image.state, self._placed())

@@ -63,7 +63,9 @@ Place = Callable[[str], tuple[Master, int]]
 
 
 class Parameters:
-    """Of all drives of a run.  A drive forgets what it was given when it is reset; a node that was started up anew is given it again."""
+    """Parameters of all drives of a run.  A drive loses its downloaded values at a reset; a node that was started up again
+    gets them again.
+    """
 
     def __init__(self, place: Place, write: WriteJournal) -> None:
         self._place, self._write = place, write
@@ -98,7 +100,7 @@ class Parameters:
         """Once for each value and start-up; one that is refused is reported and not repeated."""
         try:
             master, number = self._place(axis)
-        except KeyError:  # a shadow starts up no node and gives it nothing
+        except KeyError:  # a shadow starts up no node and downloads nothing
             return
         node = master.nodes[number]
         booted = node.booted

@@ -41,7 +41,7 @@ class Forces:
         return len(self.bits) + len(self.words)
 
     def put_word(self, place: Place, mask: int, value: int) -> None:
-        """The bits of the mask, beside those that are forced already; ValueError: too many."""
+        """Force the bits of the mask, in addition to those already forced; ValueError: too many."""
         if len(self.words) >= MOST and place not in self.words:
             raise ValueError(f"{MOST} words are forced already")
         old_mask, old = self.words.get(place, (0, 0))
@@ -54,9 +54,9 @@ class Forces:
             self.words[place] = (old_mask & ~mask, old & ~mask)
 
     def over(self, image: InputImage) -> InputImage:
-        """The image with the forces applied to it; itself where nothing is forced.
+        """The image with the forces applied; the image itself if nothing is forced.
 
-        A byte without a writer becomes good with its other bits at 0: what is not forced there is not allowed.
+        A byte without a writer becomes good with its other bits at 0: bits not forced there are not allowed.
         """
         if not self.bits:
             return image

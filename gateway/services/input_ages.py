@@ -13,7 +13,7 @@ INHERITED_NS: Ns = ms(3_000)  # inputs of a predecessor are stale for so long, t
 
 
 class InputAges(Part):
-    """Bytes of a silent command source are bad; what a predecessor left is stale and then bad."""
+    """Bytes of a silent command source are bad; those left over from a predecessor are stale and then bad."""
 
     def __init__(self, image: SharedImage, sources: Sequence[BaseSource], permits: Callable[[], bool], now: Ns) -> None:
         """`permits`: a tool has set the enabling inputs of a simulated cell; `now`: of the start."""

@@ -1,7 +1,7 @@
-"""The services process (asyncio): lines, Modbus servers, the dispatcher of commands, the journal; and the making of motion pieces.
+"""The services process (asyncio): lines, Modbus servers, the dispatcher of commands, the journal; and the generation of motion pieces.
 
-A list of parts and a tick.  It may die at any time: the cycle then ends motion as configured, a successor takes the regions over, starts
-nothing by itself and adopts the commands it finds (AX-141).
+A list of parts and a tick.  It may die at any time: the cycle then ends motion as configured, a successor takes over the regions, starts
+nothing on its own and adopts the commands it finds (AX-141).
 """
 
 import argparse
@@ -55,7 +55,7 @@ from protocols.base.machine import Ns, ms
 
 TICK_NS, QUICKEST_NS = ms(5), ms(2)
 STATUS_EVERY = 20  # ticks
-SWITCH_S = 0.001  # threads of the masters of CANopen buses give the loop its turn after this (5 ms are usual)
+SWITCH_S = 0.001  # threads of the masters of CANopen buses yield to the loop after this (5 ms are usual)
 
 
 def tick_ns(plan: RunPlan) -> Ns:
@@ -211,7 +211,7 @@ class Services:
             self._links.write(fitted(self.status(), self._links.size), now)
 
     def on_cycle(self) -> None:
-        """The cycle has published: what routes and contacts join goes on at once."""
+        """The cycle has published: update what depends on it in routes and contacts at once."""
         self.cycle.step(time.monotonic_ns())
         self.publisher.publish()
 

@@ -30,7 +30,7 @@ KINDS = {"coil": Kind.COILS, "discrete": Kind.DISCRETE_INPUTS, "input": Kind.INP
 
 
 def size_of(value: ModbusValue) -> int:
-    """Bits or registers it takes."""
+    """Number of its bits or registers."""
     return 1 if value.type == "bit" else words_of(value.type)
 
 
@@ -105,7 +105,7 @@ class Written:
 
 
 class ClientLink:
-    """One [[modbus]] with role client.  `routed`: values of registers that stand in routes, `registers`: how they are, by their keys."""
+    """One [[modbus]] with role client.  `routed`: values of registers used in routes, `registers`: their state by key."""
 
     def __init__(
         self, run: RunContext, values: ValueDirectory, settings: Modbus, routed: Sequence[ModbusValue], registers: dict[str, float | None]
@@ -172,7 +172,7 @@ class ClientLink:
         try:
             pdu = pdu_of(settings, value, written.order)
         except EncodeError:
-            return  # it does not fit: the device keeps what it has, the route or telegram behind it is refused by its own limits
+            return  # it does not fit: the device keeps its value, the limits of the route or telegram refuse it
 
         def take_result(result: Result) -> None:
             written.waiting = False

@@ -10,7 +10,7 @@ from protocols.modbus.view import Kind
 
 TABLES = {Kind.COILS: "coils", Kind.DISCRETE_INPUTS: "discrete inputs", Kind.INPUT_REGISTERS: "input registers",
           Kind.HOLDING_REGISTERS: "holding registers"}  # fmt: skip
-PATIENCE: Ns = ms(3000)  # after the start: a device that boots with the cell is no finding
+PATIENCE: Ns = ms(3000)  # after the start: a device that boots with the cell is not reported
 SHOWN = 8  # refused requests of one link
 
 
@@ -19,7 +19,7 @@ class LinkReports:
 
     def __init__(self, journal: Journal, title: str, link: Link) -> None:
         self._journal, self._title, self._link = journal, title, link
-        self._away = ""  # why there is no connection, as reported; "": there is one, or nothing was reported
+        self._away = ""  # reported reason of the missing connection; "": connected, or nothing was reported
         self._started: Ns | None = None
         self._writes: dict[str, str] = {}  # refused writes, by what was to be written
 

@@ -1,4 +1,4 @@
-"""What PLC programs name beside single inputs and outputs, in a running cell: E and A bytes to double words, flags, timers, counters.
+"""Operands of PLC programs besides single inputs and outputs, in a running cell: E and A bytes to double words, flags, timers, counters.
 
 Inputs of a PLC (E, I) are RC outputs, its outputs (A, Q) RC inputs, at the PIC's addresses (AX-120).  Words have the high byte first as
 a PLC of the S5 family has them (AX-010); markers of a Reis the low byte (robotstar D-16).

@@ -1,6 +1,6 @@
-"""The services' side of the page: a command source of its own beside the commissioning tools', and what only a page asks for.
+"""The services' side of the page: a command source separate from the commissioning tools', and requests that only a page sends.
 
-Requests come as those of tools do (gateway.services.tool_server), with "source": 91.  look: data
+Requests have the form of the tools' requests (gateway.services.tool_server), with "source": 91.  look: data
 blocks, named values, forces; tap: characters of the lines, requests of the Modbus servers; force_input, unforce_input: RC inputs
 (AX-472); force_words, unforce_words: data words (AX-498).
 """
@@ -151,7 +151,7 @@ class PageInterfaces(Part):
         return {"ok": True, **self._forced()}
 
     def _force_words(self, request: dict[str, object], *, lay: bool) -> dict[str, object]:
-        """{"block": key, "words": [[word, mask, value], ...]}: taken whole, so that no half of a double word is alone."""
+        """{"block": key, "words": [[word, mask, value], ...]}: all or none, so that a double word is never half forced."""
         who, key = str(request.get("who", "page")), int(str(request["block"]))
         line = next((each for each in self._values.lines if each.data and key in each.data.blocks), None)
         if line is None or line.data is None:

@@ -1,4 +1,4 @@
-"""What parts behind the command sources work on: the run, the shared image, the values, the dispatcher."""
+"""Context of the parts below the command sources: the run, the shared image, the values, the dispatcher."""
 
 from dataclasses import dataclass
 

@@ -37,7 +37,7 @@ class PlannerLink:
     def order(self, orders: Sequence[ProgramOrder]) -> None:
         """Hand them over."""
         for order in orders:
-            assert self._blocks is not None  # the dispatcher refuses programs where there is no planner
+            assert self._blocks is not None  # the dispatcher refuses programs without a planner
             self._blocks.put(pack_block(run_record(order)))
 
     def say(self, records: Sequence[BlockRecord]) -> None:

@@ -37,7 +37,7 @@ class PlantAddresses:
         return ()
 
     def valid(self, name: str) -> bool:
-        """An input while its byte is good; everything else is what it is."""
+        """An input is valid while its byte is good; everything else always is."""
         place = self._place(name)
         if not isinstance(place, RcBit) or place.direction is not Direction.INPUT:
             return True
@@ -68,7 +68,7 @@ class PlantAddresses:
         if isinstance(place, Operand):
             if place.kind is not Kind.FLAG:
                 raise KeyError(f"{name}: inputs are their command source's, outputs and timers the control's; flags can be written")
-            self.operands.write(place, int(number))  # what does not fit is cut off, as a PLC's load and transfer does
+            self.operands.write(place, int(number))  # excess bits are cut off, as a PLC's load and transfer does
         elif isinstance(place, RcBit):
             self._write_input(name, place, bool(number), now)
         else:

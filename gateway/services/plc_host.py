@@ -31,7 +31,7 @@ MOST_ROWS = 500  # of it in an answer
 @dataclass(slots=True)
 class _Seen:
     index: int = -1
-    last: int = -1  # report of a process that has ended; what counts next is one of its successor
+    last: int = -1  # report of a process that has ended; only a report of its successor counts
     robot: bytes = b""
     watched: str = ""  # program of the test display
     looked_ns: int = 0

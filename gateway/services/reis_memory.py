@@ -1,4 +1,4 @@
-"""The memory of a Reis as its pendant reads and changes it: files, in a thread of their own, so that the cycle of the services goes on."""
+"""The memory of a Reis as its pendant reads and changes it: files, in a separate thread, so that the services do not wait."""
 
 import queue
 import threading
@@ -29,7 +29,7 @@ class Answer:
 
 
 class ReisMemory:
-    """`ask` at any time; `take` gives answers, one at a time."""
+    """Call `ask` at any time; `take` returns the answers, one at a time."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder

@@ -21,7 +21,7 @@ from gateway.pure.reports.spoken import Spoken
 from gateway.services.reis_memory import ReisMemory
 from protocols.base.machine import Ns, ms
 
-HELD_NS = ms(500)  # a held key not heard of for so long is released
+HELD_NS = ms(500)  # a held key without a repeat for so long is released
 PULSE_NS = ms(100)  # a key that is only pressed
 OVERRIDE_STEP = 0.05
 TURN = 0.1  # of the wheel in Position Control
@@ -72,7 +72,7 @@ class ReisPanel:
         return ""
 
     def answer(self, request: dict[str, object], source: int, now: Ns) -> dict[str, object]:
-        """The display; with `key` after a key, with `hold` while one is held, with `release` when it is let go."""
+        """Return the display; with `key` after a key, with `hold` while one is held, with `release` when it is released."""
         self.phg.see(self._view())
         key = str(request.get("key") or request.get("hold") or request.get("release") or "").upper()
         if key and key not in UNIT.names:
@@ -114,7 +114,7 @@ class ReisPanel:
                 self.phg.says(wrong)
             return
         number, way = MOVEMENT[key]
-        if key not in self._held:  # what is said while it is held stays
+        if key not in self._held:  # messages shown while it is held stay
             self.phg.says("")
         self._control.robot.keys.hand.put(f"jog.{number}", way)
         self._held[key] = now + HELD_NS

@@ -95,7 +95,7 @@ class RetainedData(Part):
 
     # ---- out ---------------------------------------------------------------------------------------------------------
     def look(self) -> None:
-        """A few times a second: what has changed since is handed to the writer."""
+        """A few times a second: hand changed values to the writer."""
         kept, control = self.kept, self._image.control
         if control is not None:
             kept.keep_block(FLAGS, control.retained())
@@ -114,7 +114,7 @@ class RetainedData(Part):
             kept.record(SYNCHRONISM, {str(axis): [data.home, data.offset, data.direction] for axis, data in control.synchronised.items()})
 
     def _belts(self, kept: Retained, region: RegionReader) -> None:
-        """Offsets of belts out of the cycle; a cycle that has begun anew gets what was kept before anything of it is (AX-480)."""
+        """Offsets of belts from the cycle; a restarted cycle gets the kept ones before any of its own are kept (AX-480)."""
         payload, dispatcher = region.read(), self._dispatcher
         if payload is None or dispatcher.cell is None or not dispatcher.cell.generation:
             return

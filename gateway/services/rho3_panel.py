@@ -37,7 +37,7 @@ class Rho3Panel:
         self.rho.pendant.used = bool(self._pressed) and now - self._pressed < USED_NS
 
     def judge_reset(self, now: Ns) -> str:
-        """Mode 11.1 was chosen at the panel: a fault reset as any command source gives it; why it is refused."""
+        """Mode 11.1 was chosen at the panel: a fault reset like that of a command source; returns why it is refused."""
         panel = self.rho.panel
         if not panel.reset_wanted:
             return ""

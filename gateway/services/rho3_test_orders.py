@@ -1,4 +1,4 @@
-"""Orders of tools, page and pendant to the test system of a rho 3: what the manual allows goes on to the interpreter (AX-1040)."""
+"""Orders of tools, page and pendant to the test system of a rho 3: those the manual allows are passed to the interpreter (AX-1040)."""
 
 from collections.abc import Mapping
 

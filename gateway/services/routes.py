@@ -101,7 +101,7 @@ class Bridge(Part):
             self._mark(now)
 
     def _mark(self, now: Ns) -> None:
-        """An RC input byte is good while every route that writes into it is valid, else what is there is marked stale."""
+        """An RC input byte is good while every route that writes into it is valid; otherwise it is marked stale."""
         for octet, writers in self._octets.items():
             good = all(self.table.routes[n].valid for n in writers)
             self._image.judge((octet,), Quality.GOOD if good else Quality.STALE, now)

@@ -47,10 +47,10 @@ class SharedImage:
         self.forces = Forces()
         self.state = CellState()  # as the cycle published it last
         self.coupled: Coupled | None = None  # bit coupling of a control that has one
-        self.statements: list[BlockRecord] = []  # of streams, for the planner behind its orders
+        self.statements: list[BlockRecord] = []  # of streams, for the planner after its orders
         self.changed = False  # an RC input was written since the cycle was given them last
         self.goes_on: Callable[[], None] = _nothing  # set by the process
-        self.cycle_lives: Callable[[], bool] = _yes  # what the cycle published is no older than it may be; set by the process
+        self.cycle_lives: Callable[[], bool] = _yes  # the cycle's published state is recent enough; set by the process
 
     @property
     def control(self) -> Control | None:
@@ -62,7 +62,7 @@ class SharedImage:
         self.outputs.control = control
 
     def pass_on(self) -> None:
-        """What was written goes on at once: to routes, to the control, to the cycle."""
+        """Pass written values on at once: to routes, to the control, to the cycle."""
         self.goes_on()
 
     # ---- RC inputs ---------------------------------------------------------------------------------------------------
@@ -106,9 +106,9 @@ class SharedImage:
 
 
 def _nothing() -> None:
-    """Until the process has said where it goes."""
+    """Until the process has set its own function."""
 
 
 def _yes() -> bool:
-    """A cell without a cycle beside it, as in a test of one part."""
+    """For a cell without a cycle, as in a test of one part."""
     return True

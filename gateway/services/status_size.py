@@ -4,7 +4,7 @@ import json
 
 
 def fitted(status: dict[str, object], size: int) -> bytes:
-    """As JSON for a region of this size; where it is too long, what is said of each Modbus device is left out and named."""
+    """The status as JSON for a region of this size; if it is too long, the details of each Modbus device are left out and named."""
     left: list[str] = []
     found = json.dumps(status).encode()
     for part in ("modbus_clients", "modbus_couplers"):

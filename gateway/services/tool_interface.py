@@ -89,7 +89,7 @@ class ToolInterface:
         self.leave(connection)
 
     def leave(self, connection: object) -> None:
-        """It gives up control whatever moves: the axes stop on the path, and control is free at rest."""
+        """Give up control whatever moves: the axes stop on the path, and control is free at rest."""
         if self._holder is connection:
             self._holder, self._leaving = None, True
             if self.alive:
@@ -167,7 +167,7 @@ class ToolInterface:
         return {"ok": True}
 
     def _given(self, command: Command, connection: object, *, first_try: bool) -> Job:
-        """Passes a command to the dispatcher, if this connection may give it."""
+        """Pass a command to the dispatcher if this connection may send it."""
         dispatcher = self._dispatcher
         try:
             self._demand(Code(command.code), connection)
@@ -287,7 +287,7 @@ class ToolInterface:
         return {"ok": True}
 
     def _sdo(self, request: dict[str, object], connection: object) -> dict[str, object]:
-        """In a thread: command sources do not wait for a node; `ticket` gives the outcome."""
+        """In a thread: command sources do not wait for a node; `ticket` returns the outcome."""
         master, node = self._canopen.place(str(request["axis"]))
         index, sub = int(str(request["index"])), int(str(request.get("sub", 0)))
         raw = request.get("data")

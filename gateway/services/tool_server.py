@@ -49,7 +49,7 @@ from protocols.modbus.view import ExceptionCode, Kind
 
 LONGEST = 4096
 CLIENTS = 64  # connected at once; one more gets an answer and is sent away
-MOST_ALIKE, ALIKE = 250, 3  # names compared with one that is unknown; of more those that begin with so many of its characters
+MOST_ALIKE, ALIKE = 250, 3  # names compared with an unknown one; of more only those that share so many first characters
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
 # of op "process", not while another tool has control
@@ -76,7 +76,7 @@ class Variables(Part):
         joined: Callable[[str], dict[str, object] | None],
         status: Callable[[], dict[str, object]],
     ) -> None:
-        """`joined`: io.NAME and route.NAME; `status`: of the whole process."""
+        """`joined`: io.NAME and route.NAME; `status`: of the complete process."""
         self._run, self._image, self._values = context.run, context.image, context.values
         self._tools, self._contacts, self._host, self._joined, self._status = tools, contacts, host, joined, status
         self._addresses, self._operands = addresses, addresses.operands
@@ -349,7 +349,7 @@ async def _request(reader: asyncio.StreamReader) -> bytes:
 
 
 def _meant(name: str, names: Sequence[str]) -> str:
-    """The name that may have been meant; comparing all of a large cell takes longer than a turn may last."""
+    """The name probably meant; comparing all of a large cell takes longer than a turn may last."""
     alike = names if len(names) <= MOST_ALIKE else [each for each in names if each[:ALIKE] == name[:ALIKE]][:MOST_ALIKE]
     close = difflib.get_close_matches(name, alike, n=1)
     return f", did you mean {close[0]}?" if close else ""
@@ -371,7 +371,7 @@ def _typed(text: str) -> bool | int | float | str:
 
 
 def _whole(text: str) -> int | None:
-    """Decimal, or hexadecimal with 0x; None: no whole number."""
+    """Decimal, or hexadecimal with 0x; None: not an integer."""
     with contextlib.suppress(ValueError):
         return int(text, 0)
     return None
@@ -412,7 +412,7 @@ def name_unit(cell: Cell, name: str) -> dict[str, object]:
 
 
 def entry_unit(cell: Cell, line: str, place: DataWord) -> dict[str, object]:
-    """Value of one step of that word, where an entry of the cell gives it: 0.1 mm."""
+    """Value of one step of that word, if an entry of the cell names it: 0.1 mm."""
     for block in cell.db:
         if block.number == place.db and block.line == line:
             return next(

@@ -9,7 +9,7 @@ from gateway.pure.image.reasons import Reason, text
 from gateway.pure.image.records.planner import TEXT_BYTES, BlockRecord, PlannerState, Say
 from gateway.pure.planning.ahead import room
 
-AHEAD = 512  # blocks said and not over
+AHEAD = 512  # blocks sent and not finished
 ORDERS = ("hold", "go", "retrace", "flush", "cut", "single", "step", "end_here")
 MOVES = ("ptp", "linear", "circular", "spline", "move", "move_file")
 THEN = {"": None, "finish": Say.FINISH, "end": Say.END}
@@ -17,7 +17,7 @@ THEN = {"": None, "finish": Say.FINISH, "end": Say.END}
 
 @dataclass(slots=True)
 class _Stream:
-    """blocks, records: said of it."""
+    """blocks, records: number sent to it."""
 
     job: Job
     blocks: int = 0
@@ -28,12 +28,12 @@ class ToolStreams:
     """One at a time of each lane."""
 
     def __init__(self, dispatcher: CommandDispatcher, statements: list[BlockRecord]) -> None:
-        """statements: what goes to the planner behind its orders."""
+        """statements: for the planner, after its orders."""
         self._dispatcher, self._statements = dispatcher, statements
         self._streams: dict[int, _Stream] = {}
 
     def begin(self, job: Job) -> None:
-        """Nothing is said of it yet; those that are over are forgotten."""
+        """Nothing has been sent to it yet; finished ones are removed."""
         self._streams = {number: each for number, each in self._streams.items() if each.job.open} | {job.id: _Stream(job)}
 
     def say(self, job: Job, lines: Sequence[str], then: str) -> None:
@@ -59,7 +59,7 @@ class ToolStreams:
             self._add(stream, BlockRecord(mark, job.id))
 
     def _floods(self, stream: "_Stream", count: int, heard: int) -> bool:
-        """More statements than the ring has room for beside those of the other lanes: the stream ends, and no other (AX-1788)."""
+        """More statements than the ring can hold besides those of the other lanes: only this stream ends (AX-1788)."""
         most = room(self._dispatcher.planner or PlannerState())
         if stream.records - heard + count <= most:
             return False
@@ -121,7 +121,7 @@ class ToolStreams:
         return found if job.id in (found.job, found.failed_job, found.job_before) else PlannerState()
 
     def answer(self, job: Job) -> dict[str, object]:
-        """Blocks said and over, the one under way, inputs that came or not, the fault with its block and number."""
+        """Blocks sent and finished, the one in progress, inputs met or not, the fault with its block and number."""
         state, si = self._state(job), [axis.si for axis in self._dispatcher.axes]
         answers = [
             {"block": block, "met": met, "places": [None if at is None else at / one for at, one in zip(places, si, strict=False)]}

@@ -1,4 +1,4 @@
-"""The application of the interpreter beside the points of a VAL 3 control, and what tools ask of it."""
+"""The application of the interpreter together with the points of a VAL 3 control, and the requests of tools about it."""
 
 from collections.abc import Mapping
 from dataclasses import replace

@@ -56,7 +56,7 @@ class Line(Protocol):
     flags: Flags
 
     def block_bytes(self, db: int) -> bytes | None:
-        """The whole block as a partner would fetch it now; None: this line does not serve it."""
+        """The complete block as a partner would fetch it now; None: this line does not serve it."""
 
     def write_as_plc(self, db: int, word: int, data: bytes) -> str:
         """As if the PLC had sent it; empty when done, else why not."""

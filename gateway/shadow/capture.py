@@ -14,7 +14,7 @@ AT_ONCE = 16  # chunks of one tick
 
 
 class CaptureTap:
-    """`turn` gives the packets that came; `offset` brings their stamps to our clock."""
+    """`turn` returns the packets that came; `offset` converts their stamps to our clock."""
 
     def __init__(self, path: str) -> None:
         self.path, self.why = path, "not opened yet"

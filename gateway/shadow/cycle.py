@@ -1,7 +1,7 @@
-"""The cycle of a shadow: clocked by the SYNC the old controller sends, fed by what the drives answer it; nothing leaves (AX-493).
+"""The cycle of a shadow: clocked by the old controller's SYNC, fed with the drives' answers; nothing is sent (AX-493).
 
-One step for each SYNC, as soon as all drives have answered it, or with the next one.  What the step would have sent is compared with
-what the old controller sends behind the next SYNC: the bits that command the drives, positions, and the bytes of digital outputs.
+One step for each SYNC, as soon as all drives have answered it, or with the next one.  What the step would have sent is compared with what
+the old controller sends after the next SYNC: the bits that command the drives, positions, and the bytes of digital outputs.
 """
 
 import argparse
@@ -38,7 +38,7 @@ from protocols.canopen import cob_id as cobid
 LOOK_S = 0.05
 REOPEN_NS: Ns = 250_000_000
 KEEP_NS: Ns = 1_000_000_000
-SILENT_LOOKS = 4  # in vain, one after the other: the drives are lost, as for a control whose bus is gone
+SILENT_LOOKS = 4  # failed looks in a row: the drives are lost, as for a control whose bus is down
 
 
 class ShadowCycle(Cycle):
@@ -170,7 +170,7 @@ class ShadowCycle(Cycle):
         self.comparison.settle(stamp)
 
     def _nothing_heard(self) -> None:
-        """No SYNC: what a control whose drives are gone would say; the path stands, for no set value would reach a drive."""
+        """No SYNC: report what a control with lost drives would; the path halts, because no set value would reach a drive."""
         self._open = False
         if not self._silent:
             self._silent = True

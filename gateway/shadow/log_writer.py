@@ -1,4 +1,4 @@
-"""What a process of a shadow has found goes into a file of the run's folder, whole or not at all."""
+"""Writes the findings of a shadow's process to a file in the run's folder, completely or not at all."""
 
 import json
 import os

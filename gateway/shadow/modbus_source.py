@@ -1,6 +1,5 @@
-"""A Modbus server's command source without a server: what the PLC asks the old controller is taken as if it had asked us, and the answers
-are compared.
-Nothing is written (AX-512).
+"""A Modbus server's command source without a server: the PLC's requests to the old controller are processed as if they were for us, and the
+answers are compared.  Nothing is written (AX-512).
 """
 
 import ipaddress
@@ -28,7 +27,7 @@ from protocols.modbus.rights import Rights
 
 MOST_READS, MOST_OPEN = 64, 256
 LIFE_WORD, FIRST_REAL = 7, 10  # of the status block (AX-011)
-OWN = ("lag", "speed")  # of an axis: the shadow's path is beside the drives, so these are no answer
+OWN = ("lag", "speed")  # of an axis: the shadow's path runs in parallel with the drives, so these are not answers
 
 
 class ShadowModbusSource(ModbusSource):

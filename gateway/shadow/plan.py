@@ -15,9 +15,7 @@ LINES, BUSES = "shadow-lines.json", "shadow-buses.json"  # what services and cyc
 SPOKEN = ("servodyn", "rho3-io", "canopen")
 ENDLESS = FollowingError(float("inf"), float("inf"))
 LIFE_NS = 10_000_000_000  # nothing hangs on it, and a successor would have forgotten what was found
-Taps = Mapping[
-    str, tuple[str, str]
-]  # line -> the port that hears the PLC, the one that hears the old controller; server -> capture, address
+Taps = Mapping[str, tuple[str, str]]  # line -> ports that listen to the PLC and to the old controller; server -> capture, address
 
 
 def why_not_shadow(cell: Cell, taps: Taps, bus: str | None) -> str:

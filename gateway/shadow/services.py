@@ -46,7 +46,7 @@ class ShadowServices(Services):
         return CanopenServices(replace(self.run_context.plan, buses={}), fds, self.run_context.journal.write)
 
     def tick(self) -> None:
-        """Also takes what the captures hold, and keeps what was found."""
+        """Also read the captures, and keep the findings."""
         tapped = [source for source in self.sources if isinstance(source, ShadowModbusSource)]
         for source in tapped:
             source.take(time.monotonic_ns())
@@ -65,7 +65,7 @@ class ShadowServices(Services):
         keep(self.run_context.plan.folder / LINES, {"pid": os.getpid(), "heard_s": heard_s, "lines": lines})
 
     async def run(self) -> None:
-        """Until SIGTERM; what still waits is judged at the end."""
+        """Until SIGTERM; judge the rest at the end."""
         await super().run()
         for source in self.sources:
             if isinstance(source, ShadowSource | ShadowModbusSource):

@@ -1,6 +1,5 @@
-"""A line's command source without a line: what the PLC sends to the old controller is taken as if it had been sent to us, what the old
-control answers
-is compared with what we would have answered.  Nothing is written (AX-493).
+"""A line's command source without a line: the PLC's telegrams to the old controller are processed here as well, and the answers of both
+are compared.  Nothing is written (AX-493).
 """
 
 import time
@@ -58,7 +57,7 @@ class ShadowSource(Rk512Source):
         return {**self._partner, "connected": self.connected, "why": self._taps.why if self._taps else "", "advice": ""}
 
     def settle(self) -> None:
-        """At each tick: what waits at the taps, and how our blocks stand now."""
+        """At each tick: read the taps and the present content of our blocks."""
         if self._taps is not None:
             self._taps.turn()
         super().settle()
@@ -88,7 +87,7 @@ class ShadowSource(Rk512Source):
         self.telegrams["heard"] += 1
         self._link.passive.take_output()
         if not self._settled and self.data is not None:
-            self.data.restart()  # until our own state is known, a telegram only says where the bits stand (AX-141)
+            self.data.restart()  # until our own state is known, a telegram only sets the initial state of the bits (AX-141)
         for event in self._link.passive.telegram(asked.data, asked.stamp):
             self._on_event(event, asked.stamp)
         self._reaction = self._link.passive.take_output() or b""

@@ -18,7 +18,7 @@ AGAIN_NS: Ns = 250_000_000
 
 
 class _Listened:
-    """A listening port as the monitor takes it; it may be away."""
+    """A listening port for the monitor; it may be missing."""
 
     def __init__(self, url: str, line_format: str) -> None:
         self.name, self.char_ns, self.why = url, 0, "not opened yet"
@@ -97,7 +97,7 @@ class TapPair:
         return self._monitor.characters
 
     def turn(self) -> None:
-        """Open what is away, take what waits."""
+        """Open missing ports, read what waits."""
         now = self._clock()
         for side in self._sides:
             side.open(now, self._watch)

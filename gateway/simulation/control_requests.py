@@ -16,7 +16,7 @@ class BadCommandError(ValueError):
 
 
 def serve(client: socket.socket, heard: bytearray, carry: Callable[[Command], Answer]) -> bool:
-    """Answer each whole line that a client has sent; False: it is gone, sends too much or does not read its answers."""
+    """Answer each complete line from a client; False: it is gone, sends too much or does not read its answers."""
     try:
         data = client.recv(LONGEST)
     except BlockingIOError:
@@ -47,7 +47,7 @@ def _answer(text: bytes, carry: Callable[[Command], Answer]) -> Answer:
 
 
 def whole(command: Command, key: str, low: int, high: int) -> int:
-    """A whole number of a command, in its range."""
+    """An integer of a command, in its range."""
     value = command.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
         raise BadCommandError(f"{key}: {value!r}; expected a whole number {low}..{high}")

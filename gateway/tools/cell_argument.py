@@ -29,5 +29,5 @@ def load(name: str) -> Cell | int:
 
 
 def load_apart(name: str) -> Cell | int:
-    """As `load`; what the check loaded and left in memory is not in this process (AX-1740)."""
+    """Like `load`; memory used by the check is not left in this process (AX-1740)."""
     return apart(lambda: load(name))

@@ -19,7 +19,7 @@ from gateway.pure.image.records.cell import AxisFlag
 from gateway.runtime.supervisor_client import wait_up
 
 POLL_S = 0.05
-ALIVE_S = 0.25  # reading is no sign of life: what is in control says so often that it is there
+ALIVE_S = 0.25  # reading is not a sign of life: the client in control sends one at this interval
 START_UP_S = 40.0
 UNHURRIED_MS = 8  # clock of a simulation that measures times: a shared machine steals 5 ms now and then
 Row = dict[str, object]
@@ -49,7 +49,7 @@ def heeded() -> Iterator[None]:
 
 @contextlib.contextmanager
 def interrupt_later() -> Iterator[None]:
-    """Raise KeyboardInterrupt behind this block, not within it; outside the main thread Python raises none."""
+    """Raise KeyboardInterrupt after this block, not within it; outside the main thread Python raises none."""
     main = threading.current_thread() is threading.main_thread()
     held = [number for number in ENDING if main and signal.getsignal(number) is signal.default_int_handler]
     came: list[int] = []
@@ -69,7 +69,7 @@ class ToolClient:
 
     def __init__(self, run: str) -> None:
         self.run = run
-        self._holds, self._said = False, 0.0  # in control, and when it last said so
+        self._holds, self._said = False, 0.0  # in control, and time of its last sign of life
         self._link = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._link.settimeout(5.0)
         try:
@@ -125,7 +125,7 @@ class ToolClient:
         return answer
 
     def _faults(self) -> str:
-        """Which axes have one, and what it is."""
+        """Axes with a fault, and the fault."""
         return "; ".join(f"{row['name']}: {row['words']}" for row in self.axes() if row["words"])
 
     def sdo(self, axis: str, index: int, sub: int = 0, data: bytes | None = None) -> bytes:

@@ -9,14 +9,14 @@ from gateway.files.texts import spoken
 USAGE, AUFRUF = "usage: ", "Aufruf: "
 EXAMPLE = re.compile(
     r"(\s*(?:axisgate|tshark) .*?\S\s{2,}|\s+)(\S.*)"
-)  # a command with its explanation behind two spaces, or an indented line
+)  # a command with its explanation after two spaces, or an indented line
 COMMAND = re.compile(r"\s*(axisgate|tshark|source|--)\b")  # what is typed has no language
 
 FormatHelp = Callable[[argparse.ArgumentParser], str]
 
 
 def german_help(format_help: FormatHelp) -> FormatHelp:
-    """A format_help in German.  It replaces the texts in the parser: the command ends behind its help."""
+    """Return format_help in German.  It replaces the texts in the parser: the command ends after its help."""
 
     def formatted(parser: argparse.ArgumentParser) -> str:
         german = spoken("help").german

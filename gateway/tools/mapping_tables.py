@@ -14,7 +14,7 @@ WHOLE = ("words", "every_ms", "pulse_ms", "debounce_ms", "within_ms", "loss_afte
 TABLES = ("block", "db", "route", "symbol")
 NEEDED = {"block": ("block", "words", "writer"), "db": ("block", "at"), "route": ("name",), "symbol": ("name",)}
 OPERANDS = "EAMTZIQFC"
-SYMBOL_CHARACTERS = 24  # longest symbol STEP 5 takes
+SYMBOL_CHARACTERS = 24  # longest symbol STEP 5 accepts
 SEQUENCE_COMMENT = 40
 
 

@@ -1,4 +1,4 @@
-"""A bar for work that takes long: one line on a terminal's standard error, nothing in a pipe."""
+"""A progress bar for slow work: one line on a terminal's standard error, nothing in a pipe."""
 
 import sys
 import time
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class Progress:
-    """`with Progress("replay", cycles) as done: done(n)`; the line is wiped at the end.  `total` 0: how long it takes is not known."""
+    """`with Progress("replay", cycles) as done: done(n)`; the line is erased at the end.  `total` 0: the duration is unknown."""
 
     def __init__(self, what: str, total: float, now: Callable[[], float] = time.monotonic) -> None:
         self._what, self._total, self._now = what, total, now
@@ -20,7 +20,7 @@ class Progress:
         self._shown = sys.stderr.isatty()
 
     def __call__(self, done: float, words: str = "") -> None:
-        """So much of the total; `words` stand behind the bar."""
+        """So much of the total is done; `words` follow the bar."""
         now = self._now()
         if not self._shown or now < self._next:
             return

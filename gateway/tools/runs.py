@@ -15,7 +15,7 @@ Row = dict[str, object]
 
 
 def asked(run: str, op: str, **more: str) -> Row:
-    """The supervisor's answer.  PortError: there is no such run, or it does not answer."""
+    """The supervisor's answer.  PortError: no such run, or it does not answer."""
     try:
         with ask(run, op, ASK_S, **more) as connection:
             found = json.loads(connection.makefile().readline())
@@ -27,7 +27,7 @@ def asked(run: str, op: str, **more: str) -> Row:
 
 
 def runs() -> dict[str, Row]:
-    """Name -> status of every run; what a killed one left behind is none."""
+    """Name -> status of every run, without the remains of killed ones."""
     found = {}
     for path in sorted(runtime_dir().glob("*.sock")):
         if not path.stem.endswith(SERVICES):
@@ -39,7 +39,7 @@ def runs() -> dict[str, Row]:
 
 
 def chosen(command: str, name: str | None) -> str | None:
-    """The run a command means; None after it was said that there is not exactly one."""
+    """The run a command means; None after reporting that there is not exactly one."""
     up = list(runs())
     if name in up:
         return name
@@ -63,13 +63,13 @@ def processes(status: Row) -> list[Row]:
 
 
 def alarms(status: Row) -> list[str]:
-    """Sentences that stand."""
+    """Sentences of the active alarms."""
     words = status.get("alarms")
     return [str(each) for each in words] if isinstance(words, list) else []
 
 
 def ended(run: str, within_s: float) -> bool:
-    """Whether that run is gone within so many seconds."""
+    """Whether that run has ended within so many seconds."""
     until = time.monotonic() + within_s
     while time.monotonic() < until:
         try:

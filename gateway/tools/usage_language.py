@@ -19,7 +19,7 @@ INVALID = 2  # as argparse ends
 FAULTS = ("usage", "command-faults")  # of configs/texts
 REPORTS = ("robotstar-words", "robotstar-check", "plc-import", "robotstar", "refusals")
 RHO3 = ("baps2-check", "pic-check")
-PLACE = re.compile(r"(?:step (\d+)|([A-Z]\w*(?:\[\w*\])?(?:\(\w*\))?)): ")  # step, command or operand in front of a sentence
+PLACE = re.compile(r"(?:step (\d+)|([A-Z]\w*(?:\[\w*\])?(?:\(\w*\))?)): ")  # step, command or operand before a sentence
 WRITTEN_OUT = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})  # for every code page (AX-253)
 
 
@@ -50,7 +50,7 @@ def baps2_text(sentence: str) -> str:
 
 
 def fault_text(fault: SourceFault, said: Callable[[str], str] = report_text) -> str:
-    """A fault of a program with its place and id, in the user's language.  `said`: has the German of its controller."""
+    """A fault of a program with its place and id, in the user's language.  `said`: knows the German of its controller."""
     if _language() != "de":
         return str(fault)
     level = {Severity.ERROR: "Fehler", Severity.WARNING: "Warnung"}[fault.severity]

@@ -22,13 +22,13 @@ OURS = "x-axisgate"  # a header no form of another page can send
 
 @dataclass(frozen=True, slots=True)
 class Person:
-    """Who is behind a request."""
+    """The person who sent a request."""
 
     name: str
     role: Role
     source: str  # address
     local: bool
-    key: str  # what control is bound to: a session, a token, or nobody's
+    key: str  # control is bound to it: a session, a token, or nobody's
     csrf: str = ""
 
 
@@ -91,7 +91,7 @@ class Access:
         return Person("local" if local else "nobody", Role.VIEWER if local else Role.NOBODY, source, local, "")
 
     def role_of(self, key: str) -> Role:
-        """What the person behind this key may now: users and tokens may be changed at any time, also from the command line."""
+        """Present role of the person with this key: users and tokens may be changed at any time, also from the command line."""
         kind, _, name = key.partition(":")
         if kind == "session":
             session = self.store.session(name)
@@ -115,7 +115,7 @@ class Access:
             raise Denied(403, "a request of another page is not carried out")
 
     def may(self, request: HTTPConnection, person: Person, role: Role) -> None:
-        """A change through the API; Denied names the role it takes."""
+        """Check a change through the API; Denied names the required role."""
         self.origin(request)
         if person.key.startswith("session:"):
             if not secrets.compare_digest(request.headers.get(CSRF, ""), person.csrf):

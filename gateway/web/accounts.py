@@ -23,7 +23,7 @@ class Accounts:
         self.store: Store = access.store
         self.secure = bool(access.web.tls_certificate)
         self.judge: Callable[[], Awaitable[None]] = _nothing
-        self._login = asyncio.Semaphore(1)  # argon2 takes a core for a moment: one at a time
+        self._login = asyncio.Semaphore(1)  # argon2 occupies a core for a moment: one at a time
 
     async def setup(self, call: Call) -> Response:
         """The first password; from this computer only, and only while there is none."""

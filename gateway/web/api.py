@@ -76,7 +76,7 @@ class Api:
 
     async def search(self, call: Call) -> Row:
         wanted = call.request.query_params.getlist("id")[:MOST]
-        if wanted:  # a watch list; what this cell does not have is left out
+        if wanted:  # a watch list; names missing in this cell are left out
             found = [entry for id_ in wanted if (entry := self._known(id_[:100])) is not None]
             return {"total": len(found), "rows": [entry.row() for entry in found]}
         total, found = self.names.search(call.query.get("q", "")[:200], call.query.get("group", "")[:100])

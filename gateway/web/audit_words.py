@@ -119,7 +119,7 @@ def _words(what: str, given: dict[str, object]) -> Words | None:
 
 
 def _of_axes(given: dict[str, object], axes: Sequence[str]) -> str:
-    """: A1 to 20, A2 to 5; the mask alone where there are no targets."""
+    """: A1 to 20, A2 to 5; only the mask if there are no targets."""
     mask = int(str(given.get("mask", 0)))
     targets = given.get("targets")
     ends = targets if isinstance(targets, list) else []

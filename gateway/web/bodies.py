@@ -1,4 +1,4 @@
-"""What the interface takes: models of request bodies; their JSON schemas stand in /api/openapi.json."""
+"""Request bodies of the interface; /api/openapi.json contains their JSON schemas."""
 
 from typing import Annotated, Literal
 

@@ -97,7 +97,7 @@ class BusView:
     def row(self) -> Row:
         """Rows of the page."""
         from gateway.assembly.bus_frames import bitrate
-        from gateway.files.frame_decoder import named  # the decoders' libraries take half a second to load: not before somebody looks
+        from gateway.files.frame_decoder import named  # the decoders' libraries take half a second to load: only when somebody looks
 
         now = time.monotonic()
         if now - self._window >= RATE_NS / 1e9:

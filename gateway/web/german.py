@@ -15,7 +15,7 @@ LETTERS = {"ae": "ä", "oe": "ö", "ue": "ü", "Ae": "Ä", "Oe": "Ö", "Ue": "Ü
 TWO_SOUNDS = re.compile(
     r"zuerst|aktue|manue|virtue|eventue|individue|koeffizient|soeben|value|true|blue|due\b|does|goes|israel", re.IGNORECASE
 )
-SHARP = re.compile(  # behind these, and before these, ss is a sharp s
+SHARP = re.compile(  # after these, and before these, ss is a sharp s
     r"(?<![a-zäöü])(Ma)ss(?=st[aä]b)|([Gg]r(?:o|ö))ss|([sS]chlie)ss|([hH]ei)ss(?=[te]|en)|([aA]u)ss(?=er)|([lL]ie)ss|([mM]ä)ss(?=ig)"
     r"|([fF]lie)ss|([sS]t(?:o|ö))ss|([sS]tra)ss(?=e)|([gG]emä)ss|([wW]ei)ss|([dD]rau)ss"
 )
@@ -41,7 +41,7 @@ def _spoken() -> Spoken:
 
 
 def german(sentence: str) -> str:
-    """Of the journal, of a decoder or of a refusal; what has no German stays as it is."""
+    """German of a sentence of the journal, of a decoder or of a refusal; a sentence without German stays as it is."""
     return _spoken().german(sentence)
 
 
@@ -51,7 +51,7 @@ def says(sentence: str) -> list[str]:
 
 
 def both(code: int, words: str) -> list[str]:
-    """An error's sentence, English and German, whichever of them is given; what is no sentence of the list stays as it is."""
+    """An error's sentence, English and German, from either of them; a text that is not in the list stays as it is."""
     if code not in Reason.__members__.values():
         return says(words)
     templates = [text(Reason(code), language, MARK) for language in ("en", "de")]

@@ -1,8 +1,8 @@
-"""What every value was over the last hours: one look a second, kept only where a value changed, older changes thinned to their extremes.
+"""History of every value over the last hours: one look a second, stored only when a value changed, older changes thinned to their extremes.
 
-The memory is bounded whatever a cell does: a value has at most MOST_POINTS points, all values together ALL_POINTS.  Thinning halves the
-older half of a value's points: the last hour stays whole, older hours keep least and greatest of each step.  Times are of the monotonic
-clock, so a corrected wall clock bends no curve.
+The memory is limited: a value has at most MOST_POINTS points, all values together ALL_POINTS.  Thinning halves the
+older half of a value's points: the last hour stays complete, older hours keep the minimum and maximum of each step.  Times are of the
+monotonic clock, so a corrected wall clock bends no curve.
 """
 
 import math
@@ -71,7 +71,7 @@ def _pieces(times: list[float], values: list[float], begin: float, end: float, m
     while place < len(times):
         stop = max(place + 1, bisect_right(times, times[place] + width))
         known = [n for n in range(place, stop) if not math.isnan(values[n])] or [place]
-        last = stop - 1  # what the value was at the end of the piece is what it stays
+        last = stop - 1  # the value at the end of the piece is the one that lasts
         for n in sorted({min(known, key=values.__getitem__), max(known, key=values.__getitem__), last}):
             kept_t.append(times[n])
             kept_v.append(values[n])

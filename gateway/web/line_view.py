@@ -59,7 +59,7 @@ class LineViews:
         self._kept: dict[str, deque[Row]] = {}
 
     async def look(self) -> dict[str, list[Row]]:
-        """What was said since the last look is decoded; the newest sentences of each line, oldest first.  Gone, Refused."""
+        """Decode the traffic since the last look; return the newest sentences of each line, oldest first.  Gone, Refused."""
         answer = await self._services_link.ask("tap", since=self._seen)
         for take, found in ((self._take, answer["lines"]), (self._take_modbus, answer["modbus"])):
             for line, pieces in found.items():

@@ -46,7 +46,7 @@ class Viewer:
     page: str = "overview"
     watch: tuple[str, ...] = ()
     holding: bool = False  # it holds a key that moves something
-    pressed: bool = False  # it said that a key is held, and not yet that it was released
+    pressed: bool = False  # it reported a held key, and not yet its release
     tick: asyncio.Event = field(default_factory=asyncio.Event)
     versions: dict[str, int] = field(default_factory=dict)
 

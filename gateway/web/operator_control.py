@@ -1,8 +1,8 @@
 """Operator control from the web page: one user at a time, hold-to-run jogging and referencing, release of control
 (AX-475, AX-499).
 
-The services stop the axes on the path when the page falls silent for a second; the page lets them fall silent as soon as the holder's
-own browser does.  A jog is a slow move to the limit that ends when the key is released or no longer heard of; a reference run likewise.
+The services stop the axes on the path when the page is silent for a second; the page is silent as soon as the holder's own browser is.  A
+jog is a slow move to the limit that ends when the key is released or no longer repeated; a reference run likewise.
 """
 
 import asyncio
@@ -19,7 +19,7 @@ from gateway.web.store import Role
 
 ALIVE_S = 0.25  # so often the services learn from us that the holder is there
 HOLDER_S = 3.0  # and no longer when his browser has been silent for so long: a busy computer delays it
-KEY_S = 0.4  # a key not heard of for so long has been released
+KEY_S = 0.4  # a key without a repeat for so long has been released
 SLOWEST, FASTEST = 0.1, 10.0  # % of the axis' speed a jog may have
 ROOM = 0.02  # share of the travel a jog keeps from the limit
 CODES = ("enable", "disable", "reference", "ptp_absolute", "ptp_relative", "stop", "resume", "abandon", "fault_reset", "override",
@@ -51,7 +51,7 @@ class OperatorControl:
 
     # ---- life -----------------------------------------------------------------------------------------------------------
     async def run(self) -> None:
-        """Until cancelled: keep the holder's sign of life, end what is no longer held."""
+        """Until cancelled: send the holder's sign of life, end motions that are no longer held."""
         while True:
             await asyncio.sleep(ALIVE_S / 2)
             if self._held is not None and time.monotonic() - self._held_heard > KEY_S:
@@ -169,7 +169,7 @@ class OperatorControl:
         limit = axis.limits.max - room if direction > 0 else axis.limits.min + room
         way = limit - state.set / si
         if axis.modulo:
-            way = direction * axis.modulo  # one round: it has no limit to stand at
+            way = direction * axis.modulo  # one round: there is no limit to stop at
         if way * direction <= 0:
             say = [f"{axis.name} is at its limit", f"{axis.name} steht an der Grenze"]
             return {"state": "REFUSED", "open": False, "words": "TARGET_LIMIT", "detail": say[0], "say": say}

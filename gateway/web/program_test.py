@@ -21,7 +21,7 @@ PointName = Annotated[str, Field(min_length=1, max_length=32, pattern=r"^@?[^\W\
 
 
 class TestStart(ProgramName):
-    """A program to be tested; hold: in front of its first line."""
+    """A program to be tested; hold: before its first line."""
 
     __test__ = False
     hold: bool = False
@@ -34,7 +34,7 @@ class Breakpoints(ProgramName):
 
 
 class TestStep(Body):
-    """How a process that is held goes on."""
+    """How a held process continues."""
 
     __test__ = False
     run: Run
@@ -64,7 +64,7 @@ class Variable(Body):
 
 
 class Teach(ProgramName):
-    """A point of a program takes the actual position; kinematic 0: that of the program."""
+    """A point of a program is set to the actual position; kinematic 0: that of the program."""
 
     point: PointName
     kinematic: Annotated[int, Field(ge=0, le=16)] = 0

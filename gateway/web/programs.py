@@ -1,4 +1,4 @@
-"""Programs of the old controller on the page: what there is, what runs and where, the text of one."""
+"""Programs of the old controller on the page: list, running ones with their lines, the text of one."""
 
 import asyncio
 from typing import Any

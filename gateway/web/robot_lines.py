@@ -117,7 +117,7 @@ def _portal(robot: Robot, flange: Pose) -> tuple[list[Point], list[Point]]:
 
 
 def _reach(robot: Robot) -> float:
-    """m; how far its carriers take it counts as well."""
+    """m; including the travel of its carriers."""
     carriers = [axis.limits for axis in robot.axes if axis.role is Role.CARRIER and axis.limits.unit == "mm"]
     return _alone(robot) + sum(max(abs(axis.lower), abs(axis.upper)) for axis in carriers)
 

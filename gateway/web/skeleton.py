@@ -31,7 +31,7 @@ class Skeleton:
             self.why = f"{first} is drawn, without {', '.join(others)}: where they stand to each other is not known"
 
     def _load(self, model: str) -> None:
-        """Kinematics and robot files are loaded only where a cell has a robot: they take their time."""
+        """Kinematics and robot files are slow to load: only for a cell with a robot."""
         from gateway.files.find import ConfigNotFound
         from gateway.files.robots import RobotFaults
         from gateway.web.robot_lines import Arm

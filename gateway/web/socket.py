@@ -20,7 +20,7 @@ LONGEST = 32768
 LATE_MS = 1000.0
 LATE = ["the connection is too slow to move an axis: release the key", "die Verbindung ist zu langsam zum Verfahren: Taste loslassen"]
 MOST_VIEWERS = 64
-LIFE = ("alive", "jog", "reference", "release")  # what shows that the holder is there; reading does not
+LIFE = ("alive", "jog", "reference", "release")  # messages that show that the holder is there; reading does not
 JUDGED_S = 0.25  # users are also changed from the command line
 REFUSED, TOO_MANY = 4403, 4429  # close codes: the page asks for a login, or waits
 

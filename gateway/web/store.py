@@ -1,7 +1,7 @@
-"""Users, sessions, tokens and the audit, in one SQLite file; secrets are kept as argon2 or SHA-256 hashes only.
+"""Users, sessions, tokens and the audit, in one SQLite file; secrets are stored only as argon2 or SHA-256 hashes.
 
-The audit is a chain: each entry's hash covers the entry before it, so a changed or missing entry is found by `verify` (AX-474).  Where
-the disk takes nothing, what was ordered is carried out and its entries wait; everything else is refused in a sentence (AX-823).
+The audit is a chain: each entry's hash covers the entry before it, so a changed or missing entry is found by `verify` (AX-474).  If the
+disk refuses writes, operator commands are carried out and their entries wait; everything else is refused with a reason (AX-823).
 """
 
 import contextlib
@@ -25,7 +25,7 @@ from gateway.runtime.clock import wall
 SHORTEST = 10  # characters of a password
 SESSION_S = 12 * 3600
 MOST_KEPT = 100  # watch lists, and layouts
-MOST_WAITING = 1000  # entries of the audit that the disk did not take yet
+MOST_WAITING = 1000  # entries of the audit that the disk has not accepted yet
 BEGIN = "0" * 64  # what the first entry of the audit follows
 SCHEMA = """
 create table if not exists user (name text primary key, role integer not null, hash text not null);
@@ -65,7 +65,7 @@ class Store:
     """One file; safe to use from several threads."""
 
     def __init__(self, path: pathlib.Path, report: Callable[[str], None] = lambda words: None) -> None:
-        """`report` gets a sentence when the disk takes nothing any more, and one when that is over.  sqlite3.Error, OSError."""
+        """`report` gets a sentence when the disk begins to refuse writes, and one when that is over.  sqlite3.Error, OSError."""
         self._report = report
         self._waiting: deque[tuple[str, str, str, str, str]] = deque()
         self._lost = 0  # entries beyond those that may wait
@@ -77,7 +77,7 @@ class Store:
         path.chmod(0o600)
         self._db.executescript("pragma journal_mode=wal; pragma synchronous=normal;" + SCHEMA)
         self._hasher = PasswordHasher(time_cost=2, memory_cost=19456, parallelism=1)  # OWASP's least: small gateways have to bear it
-        self._nobody = self._hasher.hash(secrets.token_urlsafe(16))  # what an unknown name's password is held against
+        self._nobody = self._hasher.hash(secrets.token_urlsafe(16))  # an unknown name's password is compared with it
 
     def close(self) -> None:
         self._db.close()
@@ -218,7 +218,7 @@ class Store:
             self._db.execute("commit")
         except sqlite3.Error as error:
             with contextlib.suppress(sqlite3.Error):
-                self._db.execute("rollback")  # SQLite may have done so by itself
+                self._db.execute("rollback")  # SQLite may have done so itself
             if not self._full:
                 self._report(
                     f"the audit of the page is not written ({error}); orders are carried out; free space on the disk of {self.path}"
@@ -258,7 +258,7 @@ class Store:
             return self._db.execute(text, values).fetchall()
 
     def _do(self, text: str, *values: object) -> int:
-        """StoreError: the disk takes nothing."""
+        """StoreError: the disk refuses writes."""
         with self._lock:
             try:
                 return self._db.execute(text, values).rowcount

@@ -138,5 +138,5 @@ def _word(entry: Entry, shown: str) -> float:
 
 
 def shown_unit(entry: Entry) -> str:
-    """`mm` of "0.1 mm": the trend is in whole units."""
+    """`mm` of "0.1 mm": the trend uses the unit itself."""
     return entry.unit.partition(" ")[2] if entry.unit[:1].isdigit() and entry.type == "KF" else entry.unit

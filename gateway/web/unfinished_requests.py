@@ -1,6 +1,6 @@
-"""Requests that never end: each has five seconds for headers and body, and none of them costs another visitor a place (AX-613).
+"""Limits for requests that never end: each has five seconds for headers and body, and none blocks the place of another visitor (AX-613).
 
-Visitors at the gateway itself are never turned away: a stop by hand has to get through whatever others leave half said.  Where the places
+Visitors at the gateway itself are never refused: a manual stop must get through whatever others leave unfinished.  Where the places
 are taken, the oldest unfinished request goes, those from elsewhere first.
 """
 
@@ -45,12 +45,12 @@ class PatientHttp(H11Protocol):
 
     def on_response_complete(self) -> None:
         super().on_response_complete()
-        if self._timer is None and self.conn.trailing_data[0]:  # the next request has begun behind this one
+        if self._timer is None and self.conn.trailing_data[0]:  # the next request has begun after this one
             self._begin()
             self._look()
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """From now on a live connection: its request was whole, which h11 is not asked any more."""
+        """From now on a live connection: its request was complete, and h11 is no longer used."""
         self._end()
         super().handle_websocket_upgrade(event)
 
@@ -79,7 +79,7 @@ class PatientHttp(H11Protocol):
             self._timer = None
 
     def _look(self) -> None:
-        """The request is whole or was refused."""
+        """The request is complete or was refused."""
         if self.conn.their_state not in (h11.IDLE, h11.SEND_BODY):
             self._end()
 

@@ -90,14 +90,14 @@ def quoted(text: str) -> str:
 
 
 def inlined(file: str, read: Reader) -> str | None:
-    """An image beside the page as a data URL; None: there is none."""
+    """An image next to the page as a data URL; None: no such image."""
     kind = IMAGES.get(posixpath.splitext(file.partition("?")[0])[1].lower())
     data = read(file) if kind else None
     return None if data is None else f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 
 def styled(text: str, read: Reader, folder: str = "") -> str:
-    """Styles without what loads or runs something; images beside them are embedded.  folder: of the file of styles, seen from the page."""
+    """Styles without active content; images next to them are embedded.  folder: of the file of styles, seen from the page."""
     plain = text.replace("\\", "").replace("<", "")
     if LOADING.search(plain) or any(ELSEWHERE.match(found[2]) for found in ADDRESS.finditer(plain)):
         return ""
@@ -111,7 +111,7 @@ def styled(text: str, read: Reader, folder: str = "") -> str:
 
 
 def clean(text: str, read: Reader) -> str:
-    """A user page; `read`: a file beside it, None where it may not or does not exist."""
+    """A user page without active content; `read`: returns a file next to it, None if it is not allowed or does not exist."""
     cleaner = _Cleaner(read)
     cleaner.feed(text)
     cleaner.close()
@@ -129,13 +129,13 @@ def page_of(disk: pathlib.Path, folder: str, name: str) -> str | None:
 
 
 def image_of(disk: pathlib.Path, folder: str, name: str, file: str) -> str | None:
-    """An image beside that page as a data URL; None: there is none."""
+    """An image next to that page as a data URL; None: no such image."""
     placed = _placed(disk, folder, name)
     return None if placed is None else inlined(file, placed[0])
 
 
 def _placed(disk: pathlib.Path, folder: str, name: str) -> tuple[Reader, str] | None:
-    """What reads files beside a page, and the page's file name."""
+    """A reader of the files next to a page, and the page's file name."""
     try:
         inside, page = page_place(folder, name)
     except PathFault:

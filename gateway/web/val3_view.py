@@ -32,7 +32,7 @@ class Val3View:
         return {"name": name, "html": text}
 
     async def image(self, folder: str, name: str, file: str) -> Row:
-        """An image beside a user page.  KeyError: there is none; OSError."""
+        """An image next to a user page.  KeyError: no such image; OSError."""
         table = self._cell.val3
         data = None if table is None else await asyncio.to_thread(image_of, disk_folder(self._cell, table), folder, name, file)
         if data is None:

@@ -41,7 +41,7 @@ def _encoded(entry: Entry, value: str | None) -> bytes:
 
 
 def _count(entry: Entry, value: str | None, low: int, high: int) -> int:
-    """A whole number, also as 0x..; units of halves of a word count like those of words."""
+    """An integer, also as 0x..; units of halves of a word count like those of words."""
     if value is None:
         return 0
     bare = value.lower().startswith("0x")

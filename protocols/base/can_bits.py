@@ -11,7 +11,7 @@ TAIL = 13  # CRC delimiter 1, ACK 2, EOF 7, interframe space 3
 BASE_HEAD, EXTENDED_HEAD = 19, 39  # SOF, identifier, RTR (SRR), IDE, reserved, DLC
 CRC_BITS = 15
 MOST_IN_A_ROW = 5  # equal bits; then a stuff bit of the other kind
-START = 0  # of the stuffing: nothing sent yet; 1..4 so many zeros in a row, 5..8 so many ones less 4
+START = 0  # stuffing state: nothing sent yet; 1..4 so many zeros in a row, 5..8 so many ones less 4
 
 
 def _crc_step(crc: int, bit: int) -> int:
@@ -86,7 +86,7 @@ def plain_bits(length: int, *, extended: bool = False) -> int:
 
 
 def worst_bits(length: int, *, extended: bool = False) -> int:
-    """The longest such a frame can get: a stuff bit after the first five bits and after each four more."""
+    """The greatest length of a frame: a stuff bit after the first five bits and after each four more."""
     stuffable = plain_bits(length, extended=extended) - TAIL
     return stuffable + (stuffable - 1) // 4 + TAIL
 

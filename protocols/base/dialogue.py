@@ -1,17 +1,18 @@
-"""Dialogues as text: what one station of a byte protocol receives, sends and reports, with times.  Test vectors and line journals (AX-196).
+"""Dialogues as text: bytes received and sent and events reported by one station of a byte protocol, with times.  Test vectors and line
+journals (AX-196).
 
-One entry a line, parted by white space; `#` starts a comment line; empty lines mean nothing:
+One entry per line, separated by white space; `#` starts a comment line; empty lines mean nothing:
 
     dialogue NAME                    begins a dialogue; the name goes to the end of the line
-    station KEY=VALUE ...            how the station is set, e.g. profile=rho3 priority=low
+    station KEY=VALUE ...            settings of the station, e.g. profile=rho3 priority=low
     TIME hears HEX HEX ...           bytes that came in
     TIME damaged PARITY              a spoiled character (FRAMING, OVERRUN, BREAK)
     TIME does WORD HEX ...           its owner asks for something, e.g. send 41 42
     TIME `says` HEX HEX ...          bytes that went out
     TIME reports NAME FIELD=VALUE    an event: bytes in hex without spaces (- when empty), enums by name, numbers in decimal
 
-TIME is in milliseconds with up to six decimals (nanoseconds), from the start of the dialogue, never decreasing.  Entries of one moment
-stand in the order in which they happened.  All that is sent and reported is included: silence in between is part of the dialogue.
+TIME is in milliseconds with up to six decimals (nanoseconds), from the start of the dialogue, never decreasing.  Entries of one moment are
+in the order in which they happened.  All that is sent and reported is included: silence in between is part of the dialogue.
 """
 
 from collections.abc import Iterable

@@ -37,7 +37,7 @@ NATURAL = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h", (
 
 
 def _plain(length: int, flag_bits: int, wide: Sequence[Signal]) -> struct.Struct | None:
-    """The whole message as byte 0 with the flags and numbers behind it, in the order of `wide`; None: it is not so simple."""
+    """The complete message as byte 0 with the flags followed by numbers, in the order of `wide`; None: it is not so simple."""
     code, at = "<B", 1
     for signal in wide:
         kind = NATURAL.get((signal.bits, signal.signed))
@@ -52,10 +52,10 @@ def _plain(length: int, flag_bits: int, wide: Sequence[Signal]) -> struct.Struct
 class Packer:
     """A layout compiled for the signals `names`, in this order.
 
-    Bits of signals that are not named are sent as 0 and ignored when received.  The first `flags` signals have one bit each; what they can
-    be together is worked out once and looked up then: a drive's bits stay the same for thousands of cycles.  Flags in byte 0 before whole
-    numbers of their full range, as SERVODYN-GC's are, are read and written together by `plain`; a caller in each axis and cycle
-    may do it itself (`words`: all flags together, `seen`: the reverse) and leave only the rest to `pack` and `unpack`.
+    Bits of signals that are not named are sent as 0 and ignored when received.  The first `flags` signals have one bit each; each
+    combination is computed once and then looked up: a drive's bits stay the same for thousands of cycles.  Flags in byte 0 before integers
+    of their full range, as SERVODYN-GC's are, are read and written together by `plain`; a caller in each axis and cycle may do it itself
+    (`words`: all flags together, `seen`: the reverse) and leave only the rest to `pack` and `unpack`.
     """
 
     __slots__ = ("_fields", "_length", "_name", "_signals", "flag_bits", "flag_places", "flags", "plain", "seen", "words")

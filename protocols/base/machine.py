@@ -46,7 +46,7 @@ class Frame(NamedTuple):
 
 
 class FrameFault(Enum):
-    """What a CAN controller reports beside frames."""
+    """Faults that a CAN controller reports in addition to frames."""
 
     BUS_OFF = auto()
     ERROR_PASSIVE = auto()

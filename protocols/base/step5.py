@@ -57,7 +57,7 @@ def encode(kind: Step5Type, value: Value, low_word_first: bool = False) -> bytes
 
 
 def decode(kind: Step5Type, data: bytes, low_word_first: bool = False) -> Value:
-    """The value of the bytes; DecodeError for a wrong length or a pattern that is no value (digit A..F, NaN, infinite)."""
+    """The value of the bytes; DecodeError for a wrong length or an invalid pattern (digit A..F, NaN, infinite)."""
     if len(data) != kind.size:
         raise DecodeError(f"{kind.value}: {kind.size} bytes expected, {len(data)} received: {data.hex(' ')}")
     return _decode(kind, data[2:] + data[:2] if low_word_first else bytes(data))

@@ -1,7 +1,7 @@
 """Bosch BUEP64: RK512's telegrams with its own limits, times and ends.  Source: R500 interface manual 1070 072 131-102, chapter 9.
 
 RST is the requesting station, PST the answering one, DM a data module, "transfer completion sequence" a follow-on telegram.  The fault
-numbers of the PST's response stand on pages that could not be read [open]: those of RK512 are used (AX-226).
+numbers of the PST's response are on pages that could not be read [open]: those of RK512 are used (AX-226).
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ MOST_DM = 255
 
 
 class Plc(Enum):
-    """The Bosch control behind the line; the value is its highest word number in a DM."""
+    """The Bosch control on the line; the value is its highest word number in a DM."""
 
     CL500 = 255  # R500, CL400: the byte address in the DM is twice the word number
     CL300 = 127

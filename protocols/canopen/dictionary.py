@@ -37,7 +37,7 @@ class Entry:
     low: int | float | None = None
     high: int | float | None = None
     mappable: bool = False
-    parameter: Value | None = None  # ParameterValue of a DCF: what the device is to be given
+    parameter: Value | None = None  # ParameterValue of a DCF: the value to download to the device
     parameter_relative: bool = False
 
     @property
@@ -46,12 +46,12 @@ class Entry:
 
     @property
     def receivable(self) -> bool:
-        """May stand in an RPDO."""
+        """May be mapped in an RPDO."""
         return self.mappable and self.access in (Access.RW, Access.RWW, Access.WO)
 
     @property
     def transmittable(self) -> bool:
-        """May stand in a TPDO."""
+        """May be mapped in a TPDO."""
         return self.mappable and self.access in (Access.RO, Access.RW, Access.RWR, Access.CONST)
 
     def default_of(self, node: int) -> Value:
@@ -78,7 +78,7 @@ class Shape(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """An object as a whole."""
+    """A complete object."""
 
     index: int
     name: str
@@ -92,7 +92,7 @@ class ObjectDictionary:
     entries: Mapping[Key, Entry]
     heads: Mapping[int, Head]
     device: Mapping[str, str] = field(default_factory=dict)
-    dummies: frozenset[int] = frozenset()  # types that may stand in an RPDO as filler
+    dummies: frozenset[int] = frozenset()  # types allowed in an RPDO as filler
     node: int | None = None  # [DeviceComissioning] of a DCF
     bit_rate: int | None = None  # bit/s, of a DCF
     _by_index: dict[int, list[Entry]] = field(default_factory=dict, init=False, repr=False, compare=False)

@@ -1,6 +1,6 @@
 """Electronic data sheets (EDS) and device configurations (DCF), read tolerantly: every fault is named with its line.
 
-Source: CiA 306-1.  A file is never refused: what cannot be used is left out, and `Fault.taken` reports it.
+Source: CiA 306-1.  A file is never refused: unusable entries are left out, and `Fault.taken` reports them.
 """
 
 import collections
@@ -250,7 +250,7 @@ class _Reader:
     def _fault(self, line: int, section: str, what: str, taken: str) -> None:
         self.faults.append(Fault(line, section, what, taken))
 
-    # -- the whole ------------------------------------------------------------------------------
+    # -- the complete file ------------------------------------------------------------------------
 
     def _check_counts(self, objects: Mapping[int, Section]) -> None:
         described = collections.Counter(int(match[1], 16) for name in self.sections if (match := _SUB.match(name)))
@@ -302,7 +302,7 @@ class _Reader:
 
 
 def _value_of(text: str, kind: DataType) -> tuple[Value, bool]:
-    """Raises ValueError when the text is no value of this type."""
+    """Raises ValueError when the text is not a value of this type."""
     if kind.kind is Kind.TEXT:
         return text, False
     if kind.kind is Kind.BYTES:

@@ -1,6 +1,6 @@
 """Service data objects on the wire: command bytes, segments, blocks, abort codes.  Source: CiA 301, 7.2.4.
 
-All messages have 8 bytes.  The functions make whole messages; who asks and who answers is the caller's business.
+All messages have 8 bytes.  The functions build complete messages; client and server are up to the caller.
 """
 
 import struct

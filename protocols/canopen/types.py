@@ -41,7 +41,7 @@ class DataType:
 
     @property
     def whole(self) -> bool:
-        """Its values are whole numbers."""
+        """Its values are integers."""
         return self.kind in (Kind.BOOLEAN, Kind.SIGNED, Kind.UNSIGNED)
 
     @property

@@ -35,9 +35,9 @@ WORDS = tuple(struct.Struct(f">BB{count}H") for count in range(126))  # answers 
 def answer(pdu: bytes, view: View | None, may_write: bool = True, station: Station | None = None) -> bytes:
     """The answer PDU to `pdu`; never raises on what a partner sends (a view that raises is its owner's mistake and passes through).
 
-    view: the addressed unit's tables, None when there is no such unit (0Bh, AX-012).  An exception answer carries the function code
-    of the request with bit 7 set, whatever it was.  An empty PDU has nothing to answer to and gives b"", and so does a diagnosis that
-    switches to listening only (FC 8/4, serial lines).  station: what FC 8, 11, 12, 17 and 43 speak of; without it they are 01.
+    view: the addressed unit's tables, None if there is no such unit (0Bh, AX-012).  An exception answer carries the function code
+    of the request with bit 7 set, whatever it was.  An empty PDU has nothing to answer and returns b"", and so does a diagnosis that
+    switches to listening only (FC 8/4, serial lines).  station: data of FC 8, 11, 12, 17 and 43; without it they are answered with 01.
     """
     if not pdu:
         return b""
@@ -155,7 +155,7 @@ def _mask_write(pdu: bytes, view: View) -> bytes | ExceptionCode:
 
 
 def _read_write(pdu: bytes, view: View) -> bytes | ExceptionCode:
-    """The write before the read (V1.1b3, 6.17); what cannot be read is found first, so that nothing is written."""
+    """The write before the read (V1.1b3, 6.17); unreadable addresses are found first, so that nothing is written."""
     request = register.ReadWriteMultipleRegistersRequest()
     request.decode(pdu[1:])
     before = view.read_words(Kind.HOLDING_REGISTERS, request.read_address, request.read_count)

@@ -13,7 +13,7 @@ TABLE = tuple(_entry(byte) for byte in range(256))
 
 
 def crc(data: bytes, check: int = START) -> int:
-    """CRC-16 over unit and PDU; over a whole good frame with its two check bytes it is 0.  `check`: of the bytes before these."""
+    """CRC-16 over unit and PDU; over a complete good frame with its two check bytes it is 0.  `check`: CRC of the bytes before these."""
     for byte in data:
         check = check >> 8 ^ TABLE[(check ^ byte) & 0xFF]
     return check

@@ -8,7 +8,7 @@ from protocols.base.errors import EncodeError
 from protocols.modbus.numbers import ORDERS, decode_number, encode_number, words_of
 
 WHOLE = ("INT16", "UINT16", "INT32", "UINT32", "INT64", "UINT64")
-FACTORS = (1, 10, 100, 1000)  # a value with decimals is often kept as a whole number
+FACTORS = (1, 10, 100, 1000)  # a value with decimals is often stored as an integer
 REFERENCE = {"holding": 40001, "input": 30001}
 
 

@@ -1,9 +1,9 @@
 """Length of an RTU frame, derived from its first bytes.  Source: V1.1b3, sections 6.1 to 6.21 (request and answer layouts).
 
-RTU frames carry no length; on a line silence ends them, behind a TCP connection (RTU over TCP) only these lengths can.
+RTU frames carry no length; on a line silence ends them, over TCP (RTU over TCP) only these lengths can.
 """
 
-UNIT_AND_CHECK = 3  # bytes of a frame beside its PDU
+UNIT_AND_CHECK = 3  # bytes of a frame in addition to its PDU
 LONGEST_FRAME = 256  # unit, a PDU of 253 bytes, check (serial line guide, 2.5.1)
 
 FIXED_REQUESTS = {**dict.fromkeys(range(1, 7), 5), 7: 1, 8: 5, 11: 1, 12: 1, 17: 1, 22: 7, 24: 3, 43: 4}  # function -> PDU bytes
@@ -14,7 +14,7 @@ EXCEPTION_PDU = 2
 
 
 def request_length(frame: bytes) -> int | None:
-    """Bytes of the whole request frame; 0: more bytes are needed; None: a function of unknown length."""
+    """Bytes of the complete request frame; 0: more bytes are needed; None: a function of unknown length."""
     if len(frame) < 2:
         return 0
     function = frame[1]
@@ -26,7 +26,7 @@ def request_length(frame: bytes) -> int | None:
 
 
 def answer_length(frame: bytes, request: bytes) -> int | None:
-    """Bytes of the whole answer frame to `request` (its PDU); 0: more bytes are needed; None: unknown."""
+    """Bytes of the complete answer frame to `request` (its PDU); 0: more bytes are needed; None: unknown."""
     if len(frame) < 2:
         return 0
     function = frame[1]

@@ -1,8 +1,8 @@
-"""A Modbus client with many devices on one connection or line: whose turn it is, retries, busy answers, polling, devices that are dead.
+"""A Modbus client with many devices on one connection or line: scheduling, retries, busy answers, polling, dead devices.
 
-Orders (reads and writes with a waiting caller) go before polling; among the devices turns go round, so none starves another.  A device
-that does not answer is demoted: its orders fail at once and one single request a probe interval asks whether it is back (AX-346).
-A read that is not answered any more fails all groups of its device with it, and two devices silent in a row fail what is overdue on the
+Orders (reads and writes with a waiting caller) go before polling; devices take turns, so none starves another.  A device
+that does not answer is demoted: its orders fail at once, and a single request per probe interval checks whether it is back (AX-346).
+A read without further answers fails all groups of its device with it, and two devices silent in a row fail what is overdue on the
 whole link: a value is never GOOD because its turn to be asked has not come yet (AX-640).
 Sources: V1.1b3, section 7 (05 and 06); serial line guide, 2.4.1 (one request at a time, turnaround after a broadcast).
 """
@@ -33,7 +33,7 @@ from protocols.modbus.view import ExceptionCode, Kind
 from protocols.modbus.wires import Answer, Heard, Wire
 
 WAITING_LIMIT = 64  # orders of one device that wait; more are refused at once
-LEAVE_LIMIT = ms(5000)  # a request that does not leave the port at all; 256 bytes take 2.4 s at 1200 Bd
+LEAVE_LIMIT = ms(5000)  # a request that does not leave the port; 256 bytes take 2.4 s at 1200 Bd
 TURNAROUND = ms(100)  # after a broadcast (serial line guide, 2.4.1: 100..200 ms)
 
 
@@ -50,7 +50,7 @@ class _Poll:
     group: Group
     due: Ns
     taken: list[int] = field(default_factory=list)
-    good: bool = False  # its last round was read whole, and nothing was reported lost since
+    good: bool = False  # its last round was read completely, and nothing was reported lost since
 
     def piece(self, device: Device) -> int:
         words = self.group.kind in (Kind.HOLDING_REGISTERS, Kind.INPUT_REGISTERS)
@@ -116,7 +116,7 @@ class Master:
         self._quiet_until: Ns = 0
         self._silent: Seen | None = None  # a device that ran into a time-out; no device has answered since
         self._open = False
-        self._ordered = False  # the last turn was an order's: a poll a whole round behind goes before the next one
+        self._ordered = False  # the last turn was an order's: a poll overdue by a full round goes before the next one
 
     # ---- what its owner asks
     def order(self, device: str, pdu: bytes, now: Ns) -> int:

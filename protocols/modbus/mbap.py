@@ -17,7 +17,7 @@ RECEIVE_LIMIT = ms(2000)  # from the first byte of a frame to its last (AX-072)
 
 
 class Request(NamedTuple):
-    """A whole request: its transaction number, unit and PDU (1..253 bytes)."""
+    """A complete request: its transaction number, unit and PDU (1..253 bytes)."""
 
     transaction: int
     unit: int

@@ -15,7 +15,7 @@ CODES = {"INT16": "h", "UINT16": "H", "INT32": "i", "UINT32": "I", "INT64": "q",
 
 
 def words_of(type_: str) -> int:
-    """Registers a value of this type takes; KeyError for a type that is none of CODES."""
+    """Number of registers for a value of this type; KeyError for a type not in CODES."""
     return struct.calcsize(CODES[type_]) // 2
 
 
@@ -28,7 +28,7 @@ def decode_number(words: Sequence[int], type_: str, order: str = "ABCD") -> floa
 
 
 def encode_number(value: float, type_: str, order: str = "ABCD") -> tuple[int, ...]:
-    """The registers of this value, whole numbers rounded; EncodeError when it does not fit."""
+    """The registers of this value, integers rounded; EncodeError if it does not fit."""
     try:
         data = struct.pack(">" + CODES[type_], value if type_ in ("REAL", "LREAL") else round(value))
     except (struct.error, OverflowError, ValueError) as error:

@@ -28,7 +28,7 @@ class Device:
     repeat_writes: bool = True  # False: a write without an answer is never sent again, it may have been done
     demote_after: int = 2  # requests in a row that failed with all their retries
     probe_every: Ns = ms(2000)  # so a device is back 2 s after it answers again
-    most_words: int = 125  # of one read: some devices take fewer
+    most_words: int = 125  # of one read: some devices accept fewer
     most_bits: int = 2000
 
 
@@ -83,7 +83,7 @@ class Failed:
 
 @dataclass(frozen=True, slots=True)
 class Polled:
-    """A group was read whole; bits are 0 and 1."""
+    """A group was read completely; bits are 0 and 1."""
 
     group: str
     values: tuple[int, ...]

@@ -35,7 +35,7 @@ class Said:
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """What came back to one case; `rest`: bytes that were no whole answer."""
+    """The answer to one case; `rest`: bytes that were not a complete answer."""
 
     said: tuple[Said, ...] = ()
     closed: bool = False
@@ -53,7 +53,7 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One question: pieces are sent one after the other.  `right`: outcomes as written; `lived`: outcomes that get a WARN with these words.
+    """One question: pieces are sent in sequence.  `right`: outcomes as written; `lived`: outcomes that get a WARN with these words.
 
     Outcomes: "silence", "closed", "normal" (an answer without exception, well built), "XX" an exception code, "echo" the request PDU.
     """

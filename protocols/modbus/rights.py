@@ -55,7 +55,7 @@ def _word(pdu: bytes, at: int) -> int:
 
 
 def _outside(spans: Sequence[Span] | None, first: int, count: int) -> ExceptionCode | None:
-    """One span must hold the whole of it."""
+    """One span must contain all of it."""
     if spans is None or any(low <= first and first + count - 1 <= high for low, high in spans):
         return None
     return ExceptionCode.ILLEGAL_DATA_ADDRESS

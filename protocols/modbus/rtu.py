@@ -1,6 +1,6 @@
-"""Framing of Modbus RTU, the server's side: silence ends a frame on a line, its length ends it behind a TCP connection.
+"""Framing of Modbus RTU, the server's side: silence ends a frame on a line, its length ends it over TCP.
 
-Source: MODBUS over Serial Line V1.02, section 2.5.1.  Both machines have the methods of mbap.Framing, so one server drives all three.
+Source: MODBUS over Serial Line V1.02, section 2.5.1.  Both machines have the methods of mbap.Framing, so one server works with all three.
 """
 
 from enum import Enum, auto
@@ -59,11 +59,11 @@ class RtuFraming:
         return events
 
     def reply(self, request: Request, pdu: bytes) -> None:
-        """The answer to a request; it leaves at once, t3.5 of silence lie behind."""
+        """The answer to a request; it leaves at once, t3.5 of silence have already passed."""
         self._output += sealed(bytes((request.unit,)) + pdu)
 
     def damaged(self, kind: Damage, now: Ns) -> list[LineEvent]:
-        events = self.receive(b"\x00", now)  # it takes its place on the line
+        events = self.receive(b"\x00", now)  # it counts as a character on the line
         self._why = Fault.OVERRUN if kind is Damage.OVERRUN else self._why or Fault.DAMAGED
         return events
 
@@ -92,7 +92,7 @@ class RtuFraming:
         return bool(self._half) or self._why is not None
 
     def _silence(self) -> Ns:
-        """A frame that is whole ends after t3.5; one that is not may still be on its way through an adapter (AX-344)."""
+        """A complete frame ends after t3.5; an incomplete one may still be on its way through an adapter (AX-344)."""
         if self._timing.patience and (self._why is not None or not self._whole()):
             return self._timing.t35 + self._timing.patience
         return self._timing.t35
@@ -125,7 +125,7 @@ class RtuTcpFraming:
     def __init__(self, receive_limit: Ns = RECEIVE_LIMIT) -> None:
         self._receive_limit = receive_limit
         self._half = b""
-        self._checked, self._check = 0, START  # bytes of `_half` the check has run over, and where it stands
+        self._checked, self._check = 0, START  # bytes of `_half` included in the check, and its present value
         self._due: Ns | None = None
         self._closed = False
         self._output: list[bytes] = []
@@ -186,7 +186,7 @@ class RtuTcpFraming:
         return Closing(why, half)
 
     def _request_size(self, stream: bytes) -> int:
-        """Bytes of the frame at the start of the stream; 0: not whole yet, -1: what is there is no frame."""
+        """Bytes of the frame at the start of the stream; 0: incomplete, -1: not a frame."""
         size = request_length(stream)
         if size is None or stream[1] == 8:  # nothing states the length (a diagnosis may carry more words): the check does
             return self._by_check(stream)

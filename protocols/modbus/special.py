@@ -1,4 +1,4 @@
-"""Answers to the functions that are no tables: diagnosis, event log, names, files, queues.  Source: V1.1b3, sections 6.7 to 6.10, 6.13 to
+"""Answers to the functions without tables: diagnosis, event log, names, files, queues.  Source: V1.1b3, sections 6.7 to 6.10, 6.13 to
 6.15, 6.18, 6.21.  Requests are checked by protocols.modbus.validate before."""
 
 import struct

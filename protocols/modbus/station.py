@@ -141,7 +141,7 @@ class Station:
         return bytes((17, 2 + len(words), self._number, RUN_INDICATOR)) + words
 
     def identify(self, pdu: bytes) -> bytes | ExceptionCode:
-        """FC 43/14: one object, or a stream from an object on, in as many answers as it takes (6.21)."""
+        """FC 43/14: one object, or a stream from an object on, in as many answers as needed (6.21)."""
         code, first = pdu[2], pdu[3]
         if code == ONE:
             if first not in self._objects:

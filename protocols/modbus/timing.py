@@ -12,12 +12,12 @@ FAST_T35: Ns = 1_750_000
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """What silence means; `char_ns` is the time of one character (0: no line behind it, bytes come when they come)."""
+    """Meaning of silence; `char_ns` is the time of one character (0: no serial line, bytes come at any time)."""
 
     char_ns: Ns
     t15: Ns
     t35: Ns
-    patience: Ns = 0  # added to t3.5 while a frame is not whole yet: adapters and pipes hand bytes on in lumps (AX-344)
+    patience: Ns = 0  # added to t3.5 while a frame is incomplete: adapters and pipes pass bytes on in chunks (AX-344)
     strict: bool = False  # a gap above t1.5 inside a frame spoils it; only where every byte comes with its own moment (AX-344)
 
     @property

@@ -36,7 +36,7 @@ RULES = {
 }
 
 
-# FC 8: sub-functions and the data words each takes (V1.1b3, 6.8.1); None: any, echoed
+# FC 8: sub-functions and the data words each accepts (V1.1b3, 6.8.1); None: any, echoed
 ZERO = frozenset({0x0000})
 DIAGNOSES: dict[int, Container[int] | None] = {
     0: None,  # return query data

@@ -1,4 +1,4 @@
-"""Source of a Modbus server's answers: four tables behind one protocol, independent of the owner.
+"""Source of a Modbus server's answers: four tables with one interface, independent of the owner.
 
 Addresses are protocol addresses, base 0: register "40001" of a manual is holding register 0 here.
 """
@@ -32,11 +32,11 @@ class ExceptionCode(IntEnum):
 
 
 class View(Protocol):
-    """One unit's tables.  Each request is exactly one call, so a view takes or gives the whole of it at one moment.
+    """One unit's tables.  Each request is exactly one call, so a view reads or writes all of it at one moment.
 
-    address 0..65535 and count >= 1 are checked before the call, address + count never passes 65536; whether the range exists here
-    is the view's to say (ILLEGAL_DATA_ADDRESS; a partly missing range is missing, and nothing of it may be written).
-    A read gives exactly `count` values, words 0..65535; anything else is answered with SERVER_DEVICE_FAILURE.
+    address 0..65535 and count >= 1 are checked before the call, address + count never exceeds 65536; the view decides whether the range
+    exists (ILLEGAL_DATA_ADDRESS; a partly missing range is missing, and nothing of it may be written). A read returns exactly `count`
+    values, words 0..65535; anything else is answered with SERVER_DEVICE_FAILURE.
     """
 
     def read_bits(self, kind: Kind, address: int, count: int) -> Sequence[bool] | ExceptionCode: ...  # COILS, DISCRETE_INPUTS
@@ -45,7 +45,7 @@ class View(Protocol):
     def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None: ...  # holding registers; None: done
 
 
-# What a unit may have beside its four tables; a view that lacks the method answers 01 to the function (AX-342).
+# Optional functions of a unit besides its four tables; a view without the method answers 01 to the function (AX-342).
 
 
 @runtime_checkable
@@ -72,5 +72,5 @@ class HasQueue(Protocol):
 
 
 def home_unit(unit: int, own: int) -> int:
-    """The unit a request on TCP means: 0 and 255 stand for the server itself (TCP guide, 4.4.2.3; AX-012)."""
+    """The unit a request on TCP means: 0 and 255 address the server itself (TCP guide, 4.4.2.3; AX-012)."""
     return own if unit in (0, 255) else unit

@@ -16,17 +16,17 @@ SHORTEST_FRAME = 4  # unit, function, check
 
 
 class Spoiled(Enum):
-    """Why what came is no answer."""
+    """Reason why the received bytes are not an answer."""
 
     CHECK = auto()  # RTU: the CRC does not fit
-    SHORT = auto()  # RTU: silence before the frame was whole
+    SHORT = auto()  # RTU: silence before the frame was complete
     DAMAGED = auto()  # a character with a parity or framing fault
     HEADER = auto()  # TCP: a header that cannot be; the connection has lost its beat
     STRANGER = auto()  # an answer of another unit or to another function
 
 
 class Answer(NamedTuple):
-    """A whole answer PDU to the request under way."""
+    """A complete answer PDU to the pending request."""
 
     pdu: bytes
 
@@ -117,7 +117,7 @@ class TcpWire:
 class RtuWire:
     """RTU, on a line (silence and CRC) or over TCP (lengths and CRC, Timing OVER_TCP).
 
-    A whole frame with a good CRC is taken as soon as its length is there; one of unknown length ends by silence.
+    A complete frame with a good CRC is accepted as soon as its length is reached; one of unknown length ends by silence.
     """
 
     def __init__(self, timing: Timing) -> None:
@@ -155,7 +155,7 @@ class RtuWire:
             return None
         frame = bytes(self._half[:size])
         if crc(frame):
-            return None  # silence will end what this is
+            return None  # silence will end it
         self.strays += len(self._half) - size
         return self._take(frame)
 
@@ -188,7 +188,7 @@ class RtuWire:
     def _take(self, frame: bytes) -> Heard:
         assert self._wanted is not None
         unit, request = self._wanted
-        if frame[0] != unit:  # "unexpected slave": the wait goes on (serial line guide, figure 7)
+        if frame[0] != unit:  # "unexpected slave": keep waiting (serial line guide, figure 7)
             self.strays += len(frame)
             self._half.clear()
             return None

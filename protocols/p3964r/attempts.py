@@ -22,7 +22,7 @@ class Attempts:
         return self.connects + self.blocks
 
     def give_way(self) -> None:
-        """With priority, in a repeat: once, else both stations give way in every repeat and neither gets through."""
+        """With priority, in a repeat: yield once, otherwise both stations yield in every repeat and neither gets through."""
         self.clear()
         self.yielded = True
 

@@ -14,7 +14,7 @@ class BlockBuffer:
         self._stored: bytes | None = None
 
     def store(self, block: bytes) -> None:
-        """Received whole."""
+        """Received completely."""
         if self._keep_one:
             self._stored, self.free = block, False
 

@@ -117,7 +117,7 @@ class Outbox:
 
     output: bytearray = field(default_factory=bytearray)
     events: list[Event] = field(default_factory=list)
-    turn: int = 0  # how often output was taken: what was said in this turn has not been given out
+    turn: int = 0  # how often output was read: bytes of this turn have not been passed out yet
 
     def say(self, char: int) -> None:
         self.output.append(char)

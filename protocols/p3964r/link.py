@@ -13,14 +13,14 @@ from protocols.p3964r.sender import IDLE, Sender
 
 BLOCK_ENDS = (BlockReceived, BlockRefused)
 MOST_TIMERS = 8  # more than can be due at one moment
-ANSWERS = (DLE, NAK, STX)  # what a station that sends may hear
+ANSWERS = (DLE, NAK, STX)  # what a sending station may receive
 
 
 class Link:
-    """A 3964R station: a byte machine that also takes blocks to send.  Never raises on what the partner sends.
+    """A 3964R station: a byte machine that also accepts blocks to send.  Never raises on what the partner sends.
 
     keep_one: behave as the driver of 7.1: a received block fills the buffer until `take_block` is called; meanwhile no
-    further block is acknowledged.  Otherwise the handler of the events takes each block at once (or calls set_buffer_free).
+    further block is acknowledged.  Otherwise the handler of the events reads each block at once (or calls set_buffer_free).
     """
 
     def __init__(self, profile: Profile, priority: Priority, keep_one: bool = False) -> None:

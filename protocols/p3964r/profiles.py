@@ -15,7 +15,7 @@ from protocols.p3964r.characters import Char
 
 
 class Priority(Enum):
-    """Who goes on when both stations send STX at once; the two ends must be set opposite."""
+    """Which station continues when both send STX at once; the two ends must be set opposite."""
 
     HIGH = auto()
     LOW = auto()
@@ -40,8 +40,8 @@ class ConnectCounter(Enum):
 class BrokenPair(Enum):
     """A DLE inside a block that is followed by neither DLE nor the end."""
 
-    NAK_AT_END = auto()  # noted, heard to the end, then NAK [CP340]
-    NAK_AT_ONCE = auto()  # [M]; the tail of the block is then heard in idle and may look like a new one (AX-221)
+    NAK_AT_END = auto()  # noted, received to the end, then NAK [CP340]
+    NAK_AT_ONCE = auto()  # [M]; the remainder of the block is then received in idle and may look like a new one (AX-221)
     DROP_DLE = auto()  # the lone DLE is left out, the next character is data [M]
 
 
@@ -106,7 +106,7 @@ class Profile:
 
     @property
     def most_received(self) -> int:
-        """Characters of a block the station takes."""
+        """Characters of a block that the station accepts."""
         return self.max_data if self.max_received is None else self.max_received
 
     def plain(self) -> "Profile":
@@ -114,7 +114,7 @@ class Profile:
         return replace(self, name=f"{self.name}{PLAIN}", block_check=False, ack_delay=self.ack_delay_plain)
 
     def over_network(self, latency: Ns = ms(500)) -> "Profile":
-        """The same station behind a serial server: every wait for the partner longer by the way there and back (AX-224)."""
+        """The same station on a serial server: every wait for the partner is longer by the round-trip time (AX-224)."""
         return replace(
             self,
             name=f"{self.name}{NETWORK}",

@@ -22,7 +22,7 @@ class State(Enum):
     """What the receiver expects next."""
 
     IDLE = auto()  # STX; a repeat may be expected, which changes only what is reported
-    NO_BUFFER = auto()  # heard STX, has no room for the block; hopes to get some
+    NO_BUFFER = auto()  # received STX, has no room for the block; waits for some
     DATA = auto()  # inside the block
     ESCAPED = auto()  # one DLE seen; the next character says what it meant
     CHECK = auto()  # end seen; the block check comes next, whatever its value
@@ -31,7 +31,7 @@ class State(Enum):
 
 IDLE, NO_BUFFER, DATA, ESCAPED, CHECK, DEAF = State  # asked at every character: State.DATA costs a search in its class
 INSIDE = (DATA, ESCAPED, CHECK)
-ENDS = (ETX, ETB)  # behind a DLE
+ENDS = (ETX, ETB)  # after a DLE
 NAK_BYTE = bytes((NAK,))
 
 
@@ -45,7 +45,7 @@ class Receiver:
         self._block_check = profile.block_check
         self._state = IDLE
         self.due: Ns | None = None  # end of the gap, of the wait for a buffer, or of the quiet after stray characters
-        self._why: Refusal | None = None  # first fault of the running block; it is heard to its end all the same (AX-007)
+        self._why: Refusal | None = None  # first fault of the running block; it is received to its end all the same (AX-007)
         self._check, self._data, self._count = 0, bytearray(), 0
         self._strays = 0
         self._guard = Remainders(box, profile.char_delay)
@@ -242,7 +242,7 @@ class Receiver:
         self._guard.pass_over(byte, refused=self._state is IDLE and self._profile.stray is Stray.NAK_AT_ONCE)
 
     def _grant(self, now: Ns) -> None:
-        """The line has been quiet since the last stray character, which was STX: nobody but a partner that waits is silent behind one."""
+        """The line has been quiet since the last stray character, which was STX: only a waiting partner is silent after one."""
         self._strays -= 1
         self._open(now)
 
@@ -266,7 +266,7 @@ class Receiver:
         self.due = now + self._profile.char_delay  # prolonged when the DLE has left
 
     def _forget(self) -> None:
-        """In one burst with the STX and no whole block: the block begins now, behind our DLE."""
+        """Received in one burst with the STX, without a complete block: the block begins now, after our DLE."""
         self._state = DATA
         self._guard.begins()
         self._why, self._data, self._count, self._check = None, bytearray(), 0, 0

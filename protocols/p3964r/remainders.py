@@ -1,15 +1,15 @@
-"""Guard of the receiver against remainders of blocks: which STX opens a block, and which is a character of an old one.
+"""Guard of the receiver against remainders of blocks: which STX starts a block, and which belongs to an old one.
 
-A block that was torn (a gap, a BREAK) or refused at once may go on behind our answer, and 02h is as frequent in it as any other character.
-Two things give a remainder away: it does not wait for our DLE, and it comes without a pause.  Source: AX-228, AX-240, AX-654.
+A block that was torn (a gap, a BREAK) or refused at once may continue after our answer, and 02h is as frequent in it as any other
+character. A remainder differs in two ways: it does not wait for our DLE, and it comes without a pause.  Source: AX-228, AX-240, AX-654.
 
 | question | yes, when |
 |---|---|
-| is this STX a part of the block before? (`behind_an_end`) | it came in one breath with the end of that block |
+| is this STX a part of the block before? (`behind_an_end`) | it followed the end of that block without a pause |
 | was nothing opened? (`not_opened`) | the line was restless or a block torn, and this character did not wait for our DLE |
-| is this the same wish again? (`wish_again`) | it came in one burst with the STX; behind stray characters also before our DLE has left |
-| does the block begin only now? (`outrun`) | a burst came with the STX and held no whole block, and our DLE has left since |
-| does a partner wait? (`waits`) | the last character without a place was STX, not the check of a block, and silence followed |
+| is this the same request again? (`wish_again`) | it came in one burst with the STX; after stray characters also before our DLE has left |
+| does the block begin only now? (`outrun`) | a burst came with the STX without a complete block, and our DLE has left since |
+| does a partner wait? (`waits`) | the last stray character was STX, not the check of a block, and silence followed |
 """
 
 from protocols.base.machine import Ns
@@ -24,13 +24,13 @@ class Remainders:
 
     def __init__(self, box: Outbox, char_delay: Ns) -> None:
         self._box, self._char_delay = box, char_delay
-        self.untouched = False  # nothing heard since our DLE
+        self.untouched = False  # nothing received since our DLE
         self.torn = False  # a block was refused without having come to its end: its remainder may still come
-        self._restless, self.heard_at = False, 0  # what was heard last had no place, or was refused; and when that was
-        self.doubted = False  # the opening under way came on such a line
+        self._restless, self.heard_at = False, 0  # the last character was stray or refused; and its time
+        self.doubted = False  # the current opening came on a doubtful line
         self._behind_strays = False  # that line had characters without a place, and no refused block
         self.leaving = False  # our DLE to it has not left
-        self.early = False  # what was heard of the block came in one burst with the STX
+        self.early = False  # this part of the block came in one burst with the STX
         self.opened_in, self.ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
         self.misled = False  # our DLE was sent to a STX that was then not taken as a request
         self.waits = False  # the last stray character was STX: a partner that waits for DLE, if nothing follows
@@ -49,11 +49,11 @@ class Remainders:
 
     @property
     def outrun(self) -> bool:
-        """In one burst with the STX came no whole block: the block begins now, behind our DLE."""
+        """A burst with the STX had no complete block: the block begins now, after our DLE."""
         return self.early and self._box.turn != self.opened_in
 
     def not_opened(self, byte: int) -> bool:
-        """This first character behind a doubtful opening did not wait for our DLE: that STX was a character of a remainder."""
+        """This first character after a doubtful opening did not wait for our DLE: that STX belonged to a remainder."""
         same = self.same_burst
         return self.doubted and (same or (self.torn and self.leaving)) and not (byte == STX and same)
 
@@ -77,11 +77,11 @@ class Remainders:
         self._restless = False
 
     def answered(self) -> None:
-        """DLE is said to it."""
+        """DLE is sent to it."""
         self.opened_in, self.leaving, self.untouched = self._box.turn, True, True
 
     def left(self) -> None:
-        """What we said has left the line."""
+        """Our output has left the line."""
         self.leaving = False
 
     def heard(self, *, inside: bool) -> None:
@@ -98,7 +98,7 @@ class Remainders:
         self.ended_in, self.torn = self._box.turn, False
 
     def refused(self) -> None:
-        """A block was refused: its remainder would be heard as a block of its own."""
+        """A block was refused: its remainder would be received as a block of its own."""
         self._restless = True
 
     def disquiet(self, now: Ns) -> None:
@@ -106,7 +106,7 @@ class Remainders:
         self._restless, self.heard_at = True, now
 
     def pass_over(self, byte: int, *, refused: bool) -> None:
-        """Behind DLE ETX a 02h is the check of a block whose sender waits for DLE as well, but to hear that it was taken."""
+        """After DLE ETX a 02h is the check of a block whose sender also waits for DLE, but as the acknowledgement of the block."""
         self.waits = byte == STX and self._passed not in BLOCK_ENDS and not refused
         self._passed = (self._passed + bytes((byte,)))[-2:]
 

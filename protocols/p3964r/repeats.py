@@ -1,4 +1,4 @@
-"""Blocks refused one after the other, and the repeat the partner owes.  Source: rho 3 Releases part 1, section 7.1; AX-008."""
+"""Consecutive refused blocks, and the repeat the partner owes.  Source: rho 3 Releases part 1, section 7.1; AX-008."""
 
 from protocols.base.machine import Ns
 from protocols.p3964r.events import Outbox, ReceptionFailed, Refusal
@@ -31,7 +31,7 @@ class Repeats:
             self.fail()
 
     def left(self, now: Ns) -> None:
-        """What we said has left the line."""
+        """Our output has left the line."""
         if self.awaited and self.due is None:
             self.due = now + self._wait
 

@@ -45,7 +45,7 @@ class BlockOut:
     wire: bytes
     turn: int  # of the box, in which that was
     since: Ns
-    early: Ns | None = None  # a DLE heard before the port said that the block had left
+    early: Ns | None = None  # a DLE received before the port reported that the block had left
 
     def answered(self, now: Ns, least: Ns) -> bool:
         """Asked when the port reports that the block has left: whether an early DLE is the answer to it."""
@@ -62,17 +62,17 @@ class Sender:
         self.jobs: deque[Job] = deque()  # not yet sent or given up
         self._number = 0
         self._attempts = Attempts()
-        self._conflict = False  # the partner's STX was heard and ignored
+        self._conflict = False  # the partner's STX was received and ignored
         self._repeated_at: Ns | None = None  # when STX was given out in the middle of a burst
         self._done_at: Ns | None = None  # when a block was acknowledged
         self._out = BlockOut(b"", -1, 0)
         self._stx_in = -1  # the turn of STX
         self._revoked = False  # the first job was taken back by its owner
-        self.overtook = 0  # first job whose block went out although the partner had said STX before it, with priority; 0: none
+        self.overtook = 0  # first job that was sent, with priority, although the partner had sent STX before it; 0: none
 
     @property
     def busy(self) -> bool:
-        """A job is on the line: what is received is an answer to it."""
+        """A job is on the line: received characters answer it."""
         return self.state is not IDLE
 
     def add(self, block: bytes, end: Char = Char.ETX) -> int:
@@ -212,7 +212,7 @@ class Sender:
         self.state, self.due = SENDING, None
 
     def _take_back(self, now: Ns) -> None:
-        """A partner who said DLE waits for our block: what came with more behind it in one burst was no answer (AX-241)."""
+        """A partner that sent DLE waits for our block: a DLE followed by more in one burst was not an answer (AX-241)."""
         del self._box.output[-len(self._out.wire) :]
         self._connect_failed(Failure.WRONG, now)
 
@@ -241,7 +241,7 @@ class Sender:
         if self._conflict and why is Failure.NAK and stage is Stage.CONNECT:
             pause = max(
                 pause, self._profile.char_delay
-            )  # a partner who refuses to give way is let through, or both repeat in step (AX-243)
+            )  # a partner that refuses to yield goes first, otherwise both repeat in step (AX-243)
         if pause:
             self.state, self.due = PAUSED, now + pause
         else:

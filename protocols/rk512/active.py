@@ -1,7 +1,7 @@
-"""Active RK512 station: SEND and FETCH jobs, one on the way at a time, each ending in exactly one event.
+"""Active RK512 station: SEND and FETCH jobs, one in progress at a time, each ending in exactly one event.
 
-Works on telegrams: `take_output` gives the next block for the link, `acknowledged` or `unsent` reports its outcome, `reaction` takes
-a reaction telegram.  Source: SIMATIC CP 341 manual 09/2008 (RK512, event classes 6, 9, 10); long jobs: AX-222.
+Works on telegrams: `take_output` returns the next block for the link, `acknowledged` or `unsent` reports its outcome, `reaction` accepts a
+reaction telegram.  Source: SIMATIC CP 341 manual 09/2008 (RK512, event classes 6, 9, 10); long jobs: AX-222.
 """
 
 from collections import deque
@@ -46,7 +46,7 @@ class Trouble(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """SEND: the partner took all of it (data empty).  FETCH: the data, whole."""
+    """SEND: the partner accepted all of it (data empty).  FETCH: the complete data."""
 
     job: int
     data: bytes

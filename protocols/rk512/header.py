@@ -1,7 +1,7 @@
 """Telegram forms of RK512: command headers, follow-on telegrams, reactions, error numbers.  All values high byte first.
 
 Sources: SIMATIC CP 341 manual 09/2008 (RK512); error numbers: WinCC OA documentation (RK512 driver), WAGO library documentation
-1.6.1.0; choices between them: AX-053; data types beside D: AX-223.
+1.6.1.0; choices between them: AX-053; data types other than D: AX-223.
 """
 
 from dataclasses import dataclass
@@ -118,7 +118,7 @@ def _flag_bytes(flag: Flag | None) -> bytes:
 
 
 def decode_header(data: bytes) -> Header:
-    """The fields of a command telegram (what follows the header is not looked at); DecodeError when it is too short."""
+    """The fields of a command telegram (the data after the header are ignored); DecodeError if it is too short."""
     if len(data) < HEADER_BYTES:
         raise DecodeError(f"{HEADER_BYTES} bytes expected, {len(data)} received: {data.hex(' ')}")
     flag = None if data[8] == NO_FLAG else Flag(data[8], data[9] & 0x0F, data[9] >> 4)

@@ -1,8 +1,8 @@
 """Passive RK512 station: serves SEND and FETCH and answers each telegram with a reaction telegram.
 
-A telegram is one block of the link layer below.  What the partner does wrong is answered with an error number and reported,
-never raised.  A job is handed to the store whole: a SEND when its last follow-on telegram is here, a FETCH read once when its first
-telegram comes (AX-222).  Source: SIMATIC CP 341 manual 09/2008; numbers: protocols.rk512.header; choices: AX-053..055, AX-222, AX-223.
+A telegram is one block of the link layer below.  Faults of the partner are answered with an error number and reported, never raised.  A job
+is passed to the store completely: a SEND with its last follow-on telegram, a FETCH with its first telegram (AX-222).  Source: SIMATIC CP
+341 manual 09/2008; numbers: protocols.rk512.header; choices: AX-053..055, AX-222, AX-223.
 """
 
 from dataclasses import dataclass, field
@@ -33,7 +33,7 @@ FOLLOW_ON_WAIT = ms(20_000)  # the longest reaction time of any source; a job le
 
 
 class DataBlocks(Protocol):
-    """The data blocks behind the line.  One call is one job: taken or refused as a whole."""
+    """The data blocks of the line.  One call is one job: accepted or refused completely."""
 
     def read(self, db: int, word: int, words: int) -> bytes | ErrorNumber: ...  # 2 x words bytes; block missing or too short: BLOCK
     def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None: ...  # None: written
@@ -58,7 +58,7 @@ class NoAreas:
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A SEND was taken, whole; `word` is the address as its type counts it."""
+    """A SEND was accepted completely; `word` is the address as its type counts it."""
 
     db: int
     word: int
@@ -78,7 +78,7 @@ class Fetched:
 
 @dataclass(frozen=True, slots=True)
 class Continued:
-    """One more telegram of a long job; so many data bytes of it are still missing."""
+    """One more telegram of a long job; so many of its data bytes are still missing."""
 
     missing: int
 
@@ -161,7 +161,7 @@ class Passive:
         """The port is gone: a job that was not complete has never been."""
         self._open = self._output = None
 
-    # ---- checks, in the order in which the bytes stand
+    # ---- checks, in the order of the bytes
     def _form(self, data: bytes) -> Fault | None:
         if not data or data[0] not in (FIRST, FOLLOW_ON):
             return ErrorNumber.HEADER, "byte 1 is neither 00 nor FF"
@@ -315,7 +315,7 @@ class Passive:
 
 
 def _target(header: Header) -> Kind | None:
-    """What the job goes to: a SEND to DX is OX or OD (AX-223); None: no station has such a pair."""
+    """The target of the job: a SEND to DX is OX or OD (AX-223); None: no station has such a pair."""
     if header.command == Command.SEND_EXTENDED:
         return Kind.EXTENDED if header.kind in (Kind.BLOCK, Kind.EXTENDED) else None
     if header.kind not in KINDS or (header.command == Command.SEND and header.kind == Kind.EXTENDED):

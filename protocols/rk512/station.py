@@ -1,7 +1,7 @@
-"""Both roles on one link: which block is whose, and which telegram may leave.
+"""Both roles on one link: assigns received blocks to a role, decides which telegram may leave.
 
-Knows no link: `block` takes what it delivered, `take_block` gives what it is to send, `block_sent` and `block_failed` report the
-outcomes in the same order.  Order of jobs: serial-protocols 2.6; repeated commands: AX-225; late reactions: AX-650.
+Independent of the link: `block` accepts a received block, `take_block` returns the next one to send, `block_sent` and `block_failed` report
+the outcomes in the same order.  Order of jobs: serial-protocols 2.6; repeated commands: AX-225; late reactions: AX-650.
 """
 
 from collections import deque
@@ -33,7 +33,7 @@ class _Out(Enum):
 
 
 class Station:
-    """Hand it blocks; give jobs to `active`."""
+    """Pass received blocks to it; queue jobs at `active`."""
 
     def __init__(self, passive: Passive, active: Active, dialect: Dialect) -> None:
         self.passive, self.active, self._dialect = passive, active, dialect
@@ -77,7 +77,7 @@ class Station:
                 self._under_way.append(out)
                 return block
         if _Out.REACTION not in self._under_way:
-            self._last = b""  # nothing was to be said
+            self._last = b""  # nothing to send
         return None
 
     def block_sent(self, now: Ns) -> list[Event]:

@@ -43,7 +43,7 @@ class ActualValue(NamedTuple):
 
 SET_SIGNALS = SetValue._fields
 ACTUAL_SIGNALS = ActualValue._fields
-ACTUAL_FLAGS = ACTUAL_SIGNALS.index("fault_code")  # so many come first; in a layout of somebody's own they may have more bits than one
+ACTUAL_FLAGS = ACTUAL_SIGNALS.index("fault_code")  # so many come first; in a layout from a file they may have more bits than one
 
 
 class Codec:

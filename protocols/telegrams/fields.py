@@ -66,7 +66,7 @@ class Field:
 
     @property
     def end(self) -> int:
-        """The byte behind it."""
+        """The first byte after it."""
         return self.byte + self.size
 
     @property

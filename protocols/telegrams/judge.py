@@ -58,7 +58,7 @@ def outgoing_faults(telegram: Outgoing) -> Iterator[Finding]:
 
 
 def field_faults(key: str, number: int, field: Field) -> Iterator[Finding]:
-    """A field by itself."""
+    """Faults of a single field."""
     if field.kind is Kind.TEXT and field.count != 1:
         yield Finding(key, number, "TEXT is one text of 80 bytes; several characters are CHARACTER with count")
     numeric = field.kind not in TEXTS and field.kind is not Kind.BINARY
@@ -73,7 +73,7 @@ def field_faults(key: str, number: int, field: Field) -> Iterator[Finding]:
 
 
 def same_block(one: Incoming, other: Incoming) -> bytes | None:
-    """The beginning of a block both telegrams would take (free bytes shown as 00); None when every block fits at most one."""
+    """The start of a block that both telegrams would accept (free bytes shown as 00); None if every block matches at most one."""
     if one.length is not None and other.length is not None and one.length != other.length:
         return None
     exact = one.length if one.length is not None else other.length

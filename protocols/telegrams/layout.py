@@ -9,7 +9,7 @@ MAX_BLOCK = 138  # bytes of a block, a doubled DLE counted once (rho 3 Releases 
 
 @dataclass(frozen=True, slots=True)
 class Match:
-    """These bytes stand at `byte`."""
+    """The block has these bytes at `byte`."""
 
     byte: int
     data: bytes
@@ -36,7 +36,7 @@ class Incoming:
         return max([0, *(match.end for match in self.matches), *(field.end for field in self.fields)])
 
     def recognises(self, data: bytes) -> bool:
-        """All match bytes stand where they should; the length is judged apart."""
+        """All match bytes agree; the length is judged separately."""
         return all(data[match.byte : match.end] == match.data for match in self.matches)
 
     def fits(self, data: bytes) -> bool:
@@ -46,7 +46,7 @@ class Incoming:
 
 @dataclass(frozen=True, slots=True)
 class Outgoing:
-    """A block we build: fixed bytes and values, one behind the other (a Field's `byte` is where it is placed)."""
+    """A block to send: fixed bytes and values in sequence (a Field's `byte` is its place)."""
 
     name: str
     parts: tuple[bytes | Field, ...]
@@ -59,7 +59,7 @@ class Outgoing:
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """A block was recognised and read whole."""
+    """A block was recognised and read completely."""
 
     name: str
     values: tuple[tuple[str, Value], ...]

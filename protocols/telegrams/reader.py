@@ -1,7 +1,7 @@
-"""Blocks in, events out.  Whatever a partner sends is an event and is counted; nothing is raised.
+"""Blocks in, events out.  Everything a partner sends is an event and is counted; nothing is raised.
 
-As READ of a rho 3 does with one block (rho3 1.3), but whole or not at all: a block border inside an item, a BINARY above 1 or a REAL
-that is no number refuses the block, and none of its values is taken (AX-192).
+As READ of a rho 3 does with one block (rho3 1.3), but completely or not at all: a block border inside an item, a BINARY above 1 or a REAL
+that is not a number refuses the block, and none of its values is used (AX-192).
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ class Reader:
         self.unknown = 0
 
     def block(self, data: bytes) -> Event:
-        """What a whole block means."""
+        """The meaning of a complete block."""
         known = [telegram for telegram in self._telegrams if telegram.recognises(data)]
         telegram = next((each for each in known if each.fits(data)), known[0] if known else None)
         if telegram is None:

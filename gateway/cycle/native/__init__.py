@@ -1,1 +1,3 @@
-"""The hot part of the cycle in C, behind its Python twins (AX-320); built by `python -m gateway.cycle.native.build`, never needed."""
+"""The time-critical part of the cycle in C, equal to its Python twins (AX-320); built by `python -m
+gateway.cycle.native.build`, optional.
+"""

@@ -33,7 +33,7 @@ def build(part: str, compiler: list[str]) -> str:
         return done.stderr.strip() or f"{compiler[0]} ended with {done.returncode}"
     print(done.stderr, end="", file=sys.stderr)
     forget(part, target)
-    fresh.rename(target)  # whole or not at all: a cycle may be starting
+    fresh.rename(target)  # replace it in one step: a cycle may be starting
     return ""
 
 

@@ -1,4 +1,4 @@
-"""The parts in C as the cycle uses them; whatever is missing or does not fit, the Python twin takes its place (AX-320)."""
+"""The parts in C for the cycle; a missing or unsuitable part is replaced by its Python twin (AX-320)."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -176,7 +176,7 @@ class NativeParts:
 
 
 def _plain(packer: Packer) -> tuple[int, bytes, tuple[int, ...]] | None:
-    """Length, places of the flags in byte 0, and (place, octets, signed) of each number behind them; None: another kind of layout."""
+    """Length, places of the flags in byte 0, and (place, octets, signed) of each number after them; None: another kind of layout."""
     if packer.plain is None:
         return None
     numbers: list[int] = []

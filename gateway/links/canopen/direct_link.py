@@ -8,7 +8,7 @@ from protocols.base.machine import Frame
 
 
 class DirectLink:
-    """One CAN port as a link (drivers.ports.can.cycle_bus.CycleLink); what the master releases is kept for the SYNC producer."""
+    """One CAN port as a link (drivers.ports.can.cycle_bus.CycleLink); the nodes that the master releases are kept for the SYNC producer."""
 
     def __init__(self, port: CanPort) -> None:
         self.port = port
@@ -17,7 +17,7 @@ class DirectLink:
         self._lock = threading.Lock()
 
     def send(self, identifier: int, data: bytes) -> bool:
-        """False: the port did not take it."""
+        """False: the port did not accept it."""
         with self._lock:
             return self.port.send([Frame(identifier, data)]) == 1
 
@@ -48,5 +48,5 @@ class DirectLink:
         self.released[node] = mode
 
     def hold(self, node: int) -> None:
-        """It is no longer."""
+        """No longer released."""
         self.released.pop(node, None)

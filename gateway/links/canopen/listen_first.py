@@ -9,7 +9,7 @@ from drivers.ports.base import CanPort, PortError
 from drivers.ports.can.open import open_can
 from protocols.base.machine import Frame
 
-LISTEN_S = 0.6  # a SYNC and a heartbeat of any usual period are heard in it
+LISTEN_S = 0.6  # long enough to receive a SYNC and a heartbeat of any usual period
 END_IT = "nothing was sent; two masters reset each other's drives: end the other one first (a running cell, a tool, the old controller)"
 
 

@@ -37,7 +37,7 @@ from protocols.canopen.nmt import State
 
 TICK_S = 0.02
 SDO_S = 0.3  # patience with one answer, from when the request has left at the latest
-IN_LINE = 2  # frames of each node that may stand before a request: its own request, and the end of one that was not answered
+IN_LINE = 2  # frames of each node that may precede a request: its own request, and the end of one that was not answered
 SDO_TRIES = 3
 BOOT_UP_S = 2.0  # patience with a boot-up message or a state of the heartbeat
 WAITS_S = (1.0, 2.0, 5.0)  # before the next attempt with a node that does not answer
@@ -46,7 +46,7 @@ REPORT_S = 1.0  # at most one emergency message of a node is reported in this ti
 ANSWERS, SDO_BYTES = 256, 8  # of a node that may wait unread, more than a block transfer has (127); bytes of one
 LATE = 2  # heartbeats more than the drive's own patience with us before the node counts as lost
 
-logging.getLogger("canopen").setLevel(logging.CRITICAL)  # what fails is reported here, in words
+logging.getLogger("canopen").setLevel(logging.CRITICAL)  # failures are reported here, with an explanation
 
 
 class Health(Enum):
@@ -70,8 +70,8 @@ class Node:
     due: float = 0.0  # next attempt
     attempts: int = 0
     seen: float = 0.0  # last heartbeat
-    state: int = -1  # as it said
-    boots: int = 0  # boot-up messages heard
+    state: int = -1  # as reported by the node
+    boots: int = 0  # boot-up messages received
     booted: Booted | None = None
     emergency: int = 0  # code of the last EMCY, 0: none or gone
     emergencies: int = 0
@@ -88,7 +88,7 @@ class MasterLink(cycle_bus.CycleLink, Protocol):
     """The bus as the master needs it: through the cycle's ring, or a port of a tool's own."""
 
     def release(self, node: int, mode: int) -> None: ...  # this node is configured
-    def hold(self, node: int) -> None: ...  # it is no longer
+    def hold(self, node: int) -> None: ...  # no longer configured
     def left_out(self, identifier: int) -> int: ...  # frames of a storm that receive() did not hand on since the last call
 
 
@@ -102,7 +102,7 @@ class Receiving(can.Listener):
         self._network, self._report = network, report
 
     def on_message_received(self, msg: can.Message) -> None:
-        """canopen's own listener takes it."""
+        """Called by canopen as its listener."""
 
     def on_error(self, exc: Exception) -> None:
         if self._network.notifier is not None:
@@ -122,7 +122,7 @@ def place_of(error: BaseException) -> str:
 
 
 class EndedError(Exception):
-    """A dialogue was given up between two of its steps; the message gives the reason."""
+    """A dialogue was aborted between two of its steps; the message names the reason."""
 
 
 T = TypeVar("T")
@@ -170,7 +170,7 @@ class CanopenMaster:
         self._keeper.start()
 
     def _connect(self) -> None:
-        """In the keeper's thread: reading data sheets takes a while, and command sources do not wait for it."""
+        """Connect in the keeper's thread: reading data sheets takes a while, and command sources do not wait for it."""
         self._network = canopen.Network(can.Bus(interface="cycle", channel=self._channel))
         self._network.NOTIFIER_CYCLE = 0.2
         self._network.connect()
@@ -308,7 +308,7 @@ class CanopenMaster:
         except BootRefused as refusal:
             self._failed(node, refusal)
         except Exception as error:  # a thread that died in silence would leave the node waiting for ever
-            self._failed(node, BootRefused(place_of(error), dead=True))  # nothing the node said: tried again soon
+            self._failed(node, BootRefused(place_of(error), dead=True))  # not a reply of the node: tried again soon
         else:
             node.seen = time.monotonic()
             fresh = booted.refused if booted.refused != node.why else ""
@@ -360,7 +360,7 @@ class CanopenMaster:
             case steps.Now():
                 return (time.monotonic_ns() // 1_000_000).to_bytes(8, "little")
             case steps.Sync(ms):
-                self._link.send(cobid.SYNC, b"")  # only a tool's own port takes it: the cycle's ring refuses SYNC
+                self._link.send(cobid.SYNC, b"")  # only a tool's own port accepts it: the cycle's ring refuses SYNC
                 self._stop.wait(ms / 1000.0)
                 return b""
 

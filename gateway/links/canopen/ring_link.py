@@ -10,7 +10,7 @@ from gateway.runtime.regions import RingReader, RingWriter
 from protocols.base.machine import Frame
 from protocols.canopen import cob_id as cobid
 
-KEPT = 4096  # frames of a bus nobody takes
+KEPT = 4096  # unread frames of a bus
 AT_ONCE, TURNS = 256, 32  # records taken from the ring in one go, and goes in one look: what comes meanwhile waits for the next
 
 

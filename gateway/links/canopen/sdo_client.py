@@ -1,4 +1,4 @@
-"""An SDO upload that ends: a device that sends segments for ever is left after so many bytes or seconds, with an abort."""
+"""An SDO upload with a limit: a device that sends segments for ever gets an abort after so many bytes or seconds."""
 
 import time
 

@@ -6,8 +6,8 @@
     client.order("coupler", write_words_pdu(100, [1, 2]), on_result)    # from synchronous code, as the services' tick
     words = await client.read("coupler", Kind.HOLDING_REGISTERS, 0, 10)
 
-The port goes and comes back by itself (gateway.links.serial.runner); a device that does not answer costs the others one request per
-`Device.probe_every`.  Everything that decides is protocols.modbus.master.
+A lost port is reopened automatically (gateway.links.serial.runner); a device that does not answer costs the others one request per
+`Device.probe_every`.  All decisions are made in protocols.modbus.master.
 """
 
 import asyncio
@@ -119,7 +119,7 @@ class ModbusClient:
 
     @property
     def why(self) -> str:
-        """Why there is no connection; "" while there is one."""
+        """Why there is no connection; "" while connected."""
         return self._runner.state.why if self._runner is not None else "not started"
 
     def refusals(self) -> list[tuple[Group, str]]:

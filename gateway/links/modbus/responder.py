@@ -17,7 +17,7 @@ BROADCAST = 0
 BROADCAST_FUNCTIONS = frozenset({5, 6, 8, 15, 16, 21, 22})  # what makes sense without an answer
 OnRequest = Callable[[str, int], None]
 KEPT = 128  # exchanges for pages that decode them
-SHOWN = 48  # bytes of a PDU shown; its length beside it
+SHOWN = 48  # bytes of a PDU shown; its length is added
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class Exchange:
     answered: bytes  # empty: answered in silence
 
     def row(self) -> list[object]:
-        """For a page: the bytes as hex, cut; their numbers beside them."""
+        """For a page: the bytes as hex, shortened, with their count."""
         return [self.number, self.stamp, self.address, self.unit, self.asked[:SHOWN].hex(), len(self.asked), self.answered[:SHOWN].hex(),
                 len(self.answered)]  # fmt: skip
 
@@ -76,8 +76,8 @@ class Counters:
 class ModbusResponder:
     """Answers requests from the views of the units.
 
-    view_for(unit) gives the tables or None.  on_request(client's address, function code) is called after each request that was
-    answered without exception.  line: RTU rules, so unit 0 is broadcast and requests for other units get no answer.
+    view_for(unit) returns the tables or None.  on_request(client's address, function code) is called after each request answered without an
+    exception.  line: RTU rules, so unit 0 is broadcast and requests for other units get no answer.
     """
 
     def __init__(

@@ -17,9 +17,9 @@ from protocols.modbus.view import View
 
 
 class ModbusLine:
-    """One port; view_for(unit) gives the units served here, requests for others are ignored.
+    """One port; view_for(unit) returns the tables of a unit served here; requests for others are ignored.
 
-    A line has no partner's address: the master has the rights in `rights`.
+    Clients on a line have no address: the master has the rights in `rights`.
     """
 
     def __init__(

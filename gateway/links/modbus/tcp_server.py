@@ -1,8 +1,8 @@
 """Modbus TCP server inside asyncio: connections, limits and counters; framing and answers are protocols.modbus.
 
-What a partner sends can cost it its connection and nothing else.  Per client at most Limits.held_bytes stay in this process: a chunk is
-read, all its requests are answered, and while the partner does not take the answers nothing more is read (the kernel's buffers then
-stop it).  One timer sweeps all connections for half frames, silence and answers that are not read.
+A faulty partner can lose its connection, nothing else.  Per client at most Limits.held_bytes stay in this process: a chunk is read, all its
+requests are answered, and nothing more is read until the partner has read the answers (the kernel's buffers then stop it).  One timer
+sweeps all connections for half frames, silence and answers that are not read.
 """
 
 import asyncio
@@ -54,11 +54,11 @@ class Limits:
 class ModbusServer:
     """Listens on one address and answers every request from the view of its unit.
 
-    view_for(unit) gives the tables or None (answered 0Bh; with rtu in silence); units 0 and 255 arrive there as `unit` (AX-012).
-    rtu: RTU frames in the stream, in place of the Modbus TCP header.
-    on_request("host:port", function code) is called after each request that was answered without exception.
-    To be set before start(): rights_for(transport), in place of Limits.allow: rights and role of a partner, None closes the connection;
-    tls: a server context, whose handshake comes first.
+    view_for(unit) returns the tables or None (answered 0Bh; with rtu in silence); units 0 and 255 arrive there as `unit` (AX-012).
+    rtu: RTU frames in the stream instead of the Modbus TCP header.
+    on_request("host:port", function code) is called after each request answered without an exception.
+    Set before start(): rights_for(transport), instead of Limits.allow: rights and role of a partner, None closes the connection;
+    tls: a server context, with the handshake first.
     """
 
     def __init__(
@@ -293,7 +293,7 @@ class _Connection(asyncio.BufferedProtocol):
     def _end(self, event: Closing) -> None:
         self._server.counters.closed[event.why] += 1
         if self._transport is not None and event.why is not Why.LOST:
-            self._transport.write(self._framing.take_output())  # what was asked before the fault is answered
+            self._transport.write(self._framing.take_output())  # requests received before the fault are answered
             self._transport.close()
 
 

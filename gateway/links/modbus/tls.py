@@ -21,7 +21,7 @@ NO_RIGHTS = Rights(read=False, write=False)
 
 
 def server_context(settings: ModbusTls, folder: pathlib.Path) -> ssl.SSLContext:
-    """A context that hears only partners whose certificate `ca` signed; PortError names the file that is missing or bad."""
+    """A context that accepts only partners whose certificate `ca` signed; PortError names the file that is missing or bad."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     _equip(context, settings, folder)
     return context

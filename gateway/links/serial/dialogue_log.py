@@ -25,7 +25,7 @@ class Lines(Protocol):
 
 
 class JournalFile:
-    """The file of one line, within a bound; what is written first is the head of each part."""
+    """The log file of one line, limited in size; the first text is the head of each part."""
 
     def __init__(self, path: pathlib.Path) -> None:
         self._path = path
@@ -87,7 +87,7 @@ class Journaled(Generic[E]):
         return events
 
     def _note(self, now: Ns, verb: str, what: str) -> None:
-        self._latest = max(self._latest, now - self._start)  # what was said is stamped later than the moment it answers
+        self._latest = max(self._latest, now - self._start)  # bytes sent get a later stamp than the moment they answer
         self._put(line_of(Entry(self._latest, verb, what)) + "\n")
 
     def _put(self, text: str) -> None:

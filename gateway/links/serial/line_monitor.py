@@ -70,7 +70,7 @@ class Monitor:
                 self._on_report(report)
 
     def _decode(self, now: Ns) -> None:
-        """In the order of the line: two taps are read one after the other, the protocol says whose turn it was."""
+        """In the order of the line: two taps are read in turn, and the protocol decides whose turn it was."""
         while (side := self._next_side(now)) is not None:
             stamp, what = self._heard[side].popleft()
             self.characters += 1

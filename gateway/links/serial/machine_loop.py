@@ -13,7 +13,7 @@ from protocols.base.machine import Machine, Ns
 
 E = TypeVar("E")
 PAUSE_NS: Ns = 250_000_000  # before a port is opened again, and before a machine that failed is woken again
-UNTAKEN_LIMIT = 65536  # bytes a port did not take; a machine that waits for answers never gets there
+UNTAKEN_LIMIT = 65536  # bytes a port did not accept; a machine that waits for answers never gets there
 
 
 @dataclass(slots=True)
@@ -28,7 +28,7 @@ class LineCounters:
     lost: int = 0  # the open port went away
     refused: int = 0  # attempts to open that failed
     machine_faults: int = 0  # exceptions out of a machine: our mistake, the line is started afresh
-    listener_faults: int = 0  # exceptions out of a listener: our mistake too, the line goes on
+    listener_faults: int = 0  # exceptions out of a listener: an internal error too; the line continues
     latest_wake_ns: Ns = 0  # worst lateness of a deadline
 
 
@@ -66,7 +66,7 @@ class LineCore(Generic[E]):
         self.pump(now)
 
     def refuse(self, error: Exception, now: Ns) -> None:
-        """The port could not be opened; the machine goes on without (its jobs run into their own limits)."""
+        """The port could not be opened; the machine continues without it (its jobs end by their own time limits)."""
         self.state.why = str(error.args[-1]) if error.args else repr(error)
         self.state.counters.refused += 1
 
@@ -84,7 +84,7 @@ class LineCore(Generic[E]):
 
     @property
     def wants_write(self) -> bool:
-        """The port did not take everything; call pump when it is writable."""
+        """The port did not accept everything; call pump when it is writable."""
         return bool(self._untaken)
 
     def next_wake(self) -> Ns | None:

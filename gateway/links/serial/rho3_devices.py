@@ -30,7 +30,7 @@ class Rho3Lines:
     """Starts at once, inside a running loop.
 
     ports: line name -> address ("/dev/ttyUSB0", "pty:/path", "tcp://host:port") for each of setup.lines; ValueError names those missing.
-    on_event hears everything but the end of awaited calls.
+    on_event receives every event except the end of awaited calls.
     """
 
     def __init__(self, setup: Setup, ports: Mapping[str, str], on_event: Listener = ignore, rc_inputs: bytes = b"") -> None:

@@ -1,7 +1,7 @@
-"""What a tool has of a line: say characters, hear the next one until a moment, spoil one.  Real ports and virtual time look the same.
+"""A tool's access to a line: send characters, receive the next one until a deadline, damage one; the same for real ports and virtual time.
 
 A stamp is the moment at which a character had come in.  Virtual time: an emulated station is the other end, time passes only while the tool
-waits, so a probe that waits four seconds for a block takes none.
+waits, so a probe that waits four seconds for a block costs no time.
 """
 
 import contextlib
@@ -40,7 +40,7 @@ class Wire(Protocol):
 
     def held(self, since: Ns, until: Ns) -> Ns: ...  # by how much this program was late at the beginning and at the end of that span
     def now(self) -> Ns: ...
-    def write(self, data: bytes) -> None: ...  # behind what is still leaving
+    def write(self, data: bytes) -> None: ...  # queued after what is still leaving
     def spoil(self) -> bool: ...  # one character with a wrong parity bit; False: this port cannot
     def send_break(self) -> bool: ...
     def drained(self) -> Ns: ...  # moment at which all written so far has left (or will have)
@@ -156,8 +156,9 @@ class RealWire:
 
 
 class VirtualWire:
-    """A protocol machine at the other end, characters at their time, no clock.  Where they take none (TCP), what is written at once
-    arrives at once."""
+    """A protocol machine at the other end; characters take their time, without a clock.  Without character times (TCP) written bytes arrive
+    at once.
+    """
 
     simulated = True
 

@@ -90,7 +90,7 @@ class CellSio(VirtualSio):
 
     # ---- the network
     def settle(self) -> None:
-        """Carries out what the core orders; takes and gives what is there."""
+        """Carry out the orders of the core; read and write what is available."""
         self._carry_out()
         for name in list(self._servers):
             self._accept(name)

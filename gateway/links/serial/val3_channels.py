@@ -1,12 +1,11 @@
-"""Plays the sio channels of VAL 3 on real ports and sockets, inside asyncio.  What they mean is decided in
-gateway.pure.controllers.val3.sio.
+"""Plays the sio channels of VAL 3 on real ports and sockets, inside asyncio.  gateway.pure.controllers.val3.sio decides their meaning.
 
     runner = await SioRunner.start([Channel("Socket\\\\plc", Kind.TCP_CLIENT, address="127.0.0.1", port=4000, timeout_s=2)])
     plc = runner.variable("Socket\\\\plc")
     await runner.write_text(plc, "hello")
 
-Each instruction that can wait is a coroutine; a task that is killed cancels it.  Instructions give the turn to others even when they need
-not wait (manual, asynchronous tasks: sio read and write yield).
+Each instruction that can wait is a coroutine; a task that is killed cancels it.  Instructions yield to others even when they need not wait
+(manual, asynchronous tasks: sio read and write yield).
 """
 
 import asyncio
@@ -30,7 +29,7 @@ ATTEMPT_S = 5.0  # one attempt to connect; a longer time-out makes several
 
 
 class SioRunner:
-    """Make it with `start` inside a running loop; `close` gives everything back."""
+    """Create it with `start` inside a running loop; `close` releases everything."""
 
     def __init__(self, channels: Iterable[Channel]) -> None:
         self.core = SioCore(channels, time.monotonic_ns())
@@ -119,7 +118,7 @@ class SioRunner:
         return dropped
 
     async def control(self, sio: Sio, name: str, value: Value) -> Code:
-        """sioCtrl; what the hardware then refuses is unsupported and leaves everything as it was."""
+        """sioCtrl; a setting that the hardware refuses is unsupported and changes nothing."""
         async with self._changing:
             mine = [number for number, wire in self._wires.items() if wire.channel.name == sio.link]
             before = None if sio.link is None or not mine else self._wires[mine[0]].channel
@@ -160,7 +159,7 @@ class SioRunner:
         return call.result()
 
     def _settle(self, done: list[AnyCall]) -> None:
-        """Wakes who is done, carries out orders, watches what there is to watch."""
+        """Wake finished callers, carry out orders, update the watched descriptors."""
         for call in done:
             waiter = self._waiting.get(call)
             if waiter is not None and not waiter.done():

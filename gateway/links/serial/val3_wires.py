@@ -76,7 +76,7 @@ class TcpWire(SocketWire):
         return [Heard(data or None)]
 
     def write(self, data: bytes) -> int:
-        """What the kernel takes."""
+        """Write what the kernel accepts."""
         try:
             return self._socket.send(data)
         except BlockingIOError:
@@ -95,14 +95,14 @@ class UdpWire(SocketWire):
             if channel.broadcasts:
                 sock.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
                 self._mine = own_address(channel)
-            only_broadcasts = channel.broadcasts and channel.bind == ANY  # a socket bound to that address hears nothing else
+            only_broadcasts = channel.broadcasts and channel.bind == ANY  # a socket bound to that address receives nothing else
             sock.bind((channel.address if only_broadcasts else channel.bind, channel.port))
         except OSError:
             sock.close()
             raise
 
     def read(self, room: int) -> list[Heard]:
-        """Datagrams, whole; the echo of our own broadcast is not for us (AX-186)."""
+        """Complete datagrams; the echo of our own broadcast is skipped (AX-186)."""
         heard: list[Heard] = []
         for _ in range(AT_ONCE):
             try:
@@ -114,7 +114,7 @@ class UdpWire(SocketWire):
         return heard
 
     def write(self, data: bytes) -> int:
-        """One datagram, whole or not at all."""
+        """One datagram, complete or not at all."""
         try:
             return self._socket.sendto(data, (self.channel.address, self.channel.port))
         except BlockingIOError:
@@ -122,7 +122,7 @@ class UdpWire(SocketWire):
 
 
 def own_address(channel: Channel) -> str:
-    """The address this machine sends to that network from; OSError when there is no way there."""
+    """The address of this computer towards that network; OSError if there is no route."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
         probe.connect((channel.address, channel.port))
@@ -151,7 +151,7 @@ class SerialWire:
         return [Heard(item) for item in self._port.read()]
 
     def write(self, data: bytes) -> int:
-        """What the port takes."""
+        """Write what the port accepts."""
         return self._port.write(data)
 
     def configure(self, channel: Channel) -> None:

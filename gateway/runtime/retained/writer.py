@@ -1,14 +1,14 @@
-"""Retained data of a run: values that outlive power-off, and histories (errors, configuration).  A thread writes; no one waits for it.
+"""Retained data of a run: values that outlive power-off, and histories (errors, configuration).  A thread writes; the callers do not wait.
 
     kept = Retained(path, patterns)          reads the file; kept.events lists its faults
     kept.value("counter.3", 0)               what the last run left, else the default
-    kept.keep("counter.3", 7)                written soon, if [retain] of the cell names it; costs nothing when nothing changed
+    kept.keep("counter.3", 7)                written soon, if [retain] of the cell names it; costs nothing without a change
     kept.block("flags.M", 2048)              bytes that were kept one by one as flags.M0, flags.M1, ...
     kept.keep_block("flags.M", image)        the reverse; all changes of one call reach the disk together or not at all
     kept.record("error", {...})              a history; the newest are kept
-    kept.close()                             everything is on the disk
+    kept.close()                             writes everything to the disk
 
-Never used by the cycle.  What may start a move is no retained value: only GROUPS may be kept (AX-425).
+Never used by the cycle.  A value that may start a move is never retained: only GROUPS may be kept (AX-425).
 """
 
 import contextlib
@@ -212,12 +212,12 @@ def _storable(value: Value) -> bool:
 
 
 def path_of(cell: Cell) -> pathlib.Path:
-    """Path of this cell's data: retain/NAME.sqlite beside its file, or from gateway.runtime.state_folder."""
+    """Path of this cell's data: retain/NAME.sqlite next to its file, or from gateway.runtime.state_folder."""
     return place(cell.file, "retain", f"{pathlib.Path(cell.file).resolve().stem}.sqlite")
 
 
 def history(path: pathlib.Path, kind: str) -> list[Record]:
-    """Records of a kind for tools, oldest first; [] where there is no file.  RetainError."""
+    """Records of a kind for tools, oldest first; [] without a file.  RetainError."""
     if not path.exists():
         return []
     with contextlib.closing(open_file(path, repair=False).file) as file:

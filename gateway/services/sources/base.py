@@ -26,8 +26,9 @@ WriteJournal = Callable[..., None]  # journal.write
 
 @dataclass(frozen=True, slots=True)
 class SourceContext:
-    """Everything a command source is given: its run, the shared image, the values by name, the dispatcher behind it; its record in the
-    plan, the watch over its partner, what a loss does, its region."""
+    """Everything a command source needs: its run, the shared image, the values by name, the dispatcher; its record in the plan, the watch
+    over its partner, the reaction to a loss, its region.
+    """
 
     run: RunContext
     image: SharedImage

@@ -1,6 +1,6 @@
 """The bit coupling of P20 and P21 as a PLC reaches it over a line: E and A as its own addresses, frames in remote blocks.  AX-339.
 
-With [controller] and P20 = 2, 15, 16 or 19 area E holds at I.START the RC outputs the interface has (and the board's inputs behind them),
+With [controller] and P20 = 2, 15, 16 or 19 area E holds at I.START the RC outputs the interface has (followed by the board's inputs),
 area A at O.START the RC inputs (and the board's outputs).  With remote = true the same frames go as blocks of at most 48 bytes through
 DB 22 (PLC sends) and DB 23 (PLC fetches): one word number x 256 + count, 24 words of data each.
 """
@@ -65,7 +65,7 @@ class CouplingAreas:
         return None
 
     def sent_blocks(self) -> bytes:
-        """DB 23: every block of the frame to the PLC, one behind the other."""
+        """DB 23: send every block of the frame to the PLC, one at a time."""
         rho = self._image.coupled
         if rho is None:
             return b""

@@ -83,7 +83,7 @@ class ModbusSource(BaseSource):
         views = {unit.unit: shown[unit.view] for unit in settings.units}
         views[settings.unit] = shown[settings.view]
         bind = run.plan.modbus[self.name]
-        folder = pathlib.Path(run.cell.file).resolve().parent  # beside which certificates are looked for
+        folder = pathlib.Path(run.cell.file).resolve().parent  # certificates are searched next to it
         self.server = self._line(settings, bind, views) if isinstance(bind, str) else self._tcp(settings, bind, views, folder)
 
     # ---- what clients write and read ---------------------------------------------------------------------------------

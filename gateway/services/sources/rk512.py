@@ -39,7 +39,7 @@ from protocols.rk512.station import Repeated
 
 COMMAND_DB, STATUS_DB, INPUTS_DB, OUTPUTS_DB = 10, 11, 20, 21
 WAITS = (ErrorNumber.LOCKED, ErrorNumber.STOPPED)  # refusals that a partner awaits as it should: a sign of life (AX-650)
-ANY_DB = 1  # entries say only where in their block they stand
+ANY_DB = 1  # entries only name their place within the block
 
 
 class NotActive(RuntimeError):
@@ -172,7 +172,7 @@ class Rk512Source(SerialSource):
         return self.data.fill(key)
 
     def _done(self, event: Done, now: Ns) -> None:
-        """Ours is done: what was fetched is taken as if the partner had sent it."""
+        """Our job is done: treat fetched data as if the partner had sent them."""
         job = self._own.over(event.job)
         self._partner["own_jobs"] += 1
         if job is not None and job.fetch and self.data is not None:
@@ -222,7 +222,7 @@ class Rk512Source(SerialSource):
 
     # ---- the store RK512 serves --------------------------------------------------------------------------------------
     def block_bytes(self, db: int) -> bytes | None:
-        """The whole block as it would be fetched; None where there is none."""
+        """The complete block as a FETCH would return it; None without one."""
         if self.data is not None and db in self.data.blocks:
             return self.data.fill(db)
         if db == INPUTS_DB:
@@ -256,7 +256,7 @@ class Rk512Source(SerialSource):
         return data[2 * word : 2 * (word + words)]
 
     def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
-        """SEND: taken whole or not at all."""
+        """SEND: all or nothing."""
         return self.refused("D") or self._write(db, word, data)
 
     def _write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:

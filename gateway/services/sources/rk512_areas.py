@@ -1,8 +1,8 @@
-"""What RK512 serves beside data blocks: extended blocks, inputs, outputs, flags, timers and counters, as [line.rk512] types allows.
+"""Areas of RK512 besides data blocks: extended blocks, inputs, outputs, flags, timers and counters, as [line.rk512] types allows.
 
-E is what a PLC reads as its inputs, the RC outputs; A what it writes as its outputs, the RC inputs, both at the PLC's own addresses where
-the cell has a bit coupling; M holds the flags or markers of the control and the coordination flags that are set; T and Z the control's
-timers (rest in ms) and counters.  A [[db]] of that kind replaces it; X exists only so (AX-250, AX-339).
+E holds the inputs of a PLC, the RC outputs; A its outputs, the RC inputs, both at the PLC's own addresses if the cell has a bit coupling; M
+holds the flags or markers of the control and the coordination flags that are set; T and Z the control's timers (rest in ms) and counters.
+A [[db]] of that kind replaces it; X exists only so (AX-250, AX-339).
 """
 
 from collections.abc import Callable
@@ -43,7 +43,7 @@ class LineAreas:
         self.coupling = CouplingAreas(image, line.write_inputs, remote=remote)
 
     def read_area(self, kind: Kind, block: int, address: int, amount: int) -> bytes | ErrorNumber:
-        """FETCH; what the types leave out is refused whole."""
+        """FETCH; types that are not allowed are refused completely."""
         refused = self._line.refused(chr(kind))
         if refused is not None:
             return refused
@@ -62,11 +62,11 @@ class LineAreas:
             control = self._image.control
             return None if control is not None and control.write_flags(address, data) else ErrorNumber.BLOCK
         if address * kind.unit % 2 or len(data) % 2:
-            return ErrorNumber.LENGTH  # a declared block is whole words
+            return ErrorNumber.LENGTH  # a declared block has full words
         return self._line.write_block(block_key(chr(kind), block), address * kind.unit // 2, data, self._clock())
 
     def content(self, kind: str, number: int) -> bytes | None:
-        """Present contents of the whole area or block; None where there is none."""
+        """Present content of the complete area or block; None without one."""
         declared = self._declared(kind, number)
         control = self._image.control
         if kind == "M":

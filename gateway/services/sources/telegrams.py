@@ -1,6 +1,7 @@
-"""Command source of a serial line with layer = "telegrams": 3964R below, raw blocks declared by [[telegram]] above, named values behind.
+"""Command source of a serial line with layer = "telegrams": 3964R, with raw blocks declared by [[telegram]] that read and write named
+values.
 
-It commands no axes: values and signals are what a program (or another command source) acts on.  Blocks that fit nothing are counted and
+It commands no axes: a program (or another command source) acts on the values and signals.  Blocks that match no telegram are counted and
 reported.
 """
 
@@ -55,7 +56,7 @@ class TelegramSource(SerialSource):
             self._named.source_gone(self.name)
 
     def settle(self) -> None:
-        """At each tick and after each written value: what has an edge is built and queued."""
+        """At each tick and after each written value: build and queue telegrams with an edge."""
         for watch, telegram in self._rules:
             try:
                 value: Value | None = self._value(watch.when.name)

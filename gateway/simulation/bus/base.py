@@ -46,7 +46,7 @@ class Client:
         self.queued = 0  # frames in the queue
         self.sent = 0
         self.received = 0  # frames it gave us
-        self.deaf = False  # its receiving end is gone; what it sent is still taken
+        self.deaf = False  # its receiving end is gone; frames it sends are still accepted
 
     def offer(self, message: bytes) -> bool:
         """Hand over or queue one message; True when the queue was empty before and is not now."""
@@ -78,7 +78,7 @@ class Client:
         return b"".join(parts)
 
     def _send(self, message: bytes) -> bool:
-        """True: it need not be kept (taken, or nobody is there to take it)."""
+        """True: the frame need not be kept (accepted, or there is no receiver)."""
         try:
             self.link.send(message)
         except BlockingIOError:

@@ -1,6 +1,6 @@
 """The local bus as a process: python -m gateway.simulation.bus.broker --name NAME [--log FILE].
 
-One thread, one epoll: a plain bus passes frames on at once, one with --bitrate takes the time of a wire (wired_broker).
+One thread, one epoll: a plain bus passes frames on at once, one with --bitrate after their time on a wire (wired_broker).
 """
 
 import argparse
@@ -26,7 +26,7 @@ def bind(name: str) -> socket.socket:
     path = socket_path(name)
     folder = os.open(runtime_dir(), os.O_RDONLY | os.O_DIRECTORY)
     try:
-        fcntl.flock(folder, fcntl.LOCK_EX)  # two starting at once: one after the other
+        fcntl.flock(folder, fcntl.LOCK_EX)  # two starting at once: one waits for the other
         if os.path.lexists(path):
             if _alive(path):
                 raise PortError(f"broker:{name}: another broker of this name is running ({path})")

@@ -27,7 +27,7 @@ WRITE_BYTES = 1 << 16
 
 
 class LogPipe:
-    """The broker's end: takes everything, never waits; `lost` counts frames that are not in the log."""
+    """The broker's end: accepts everything, never waits; `lost` counts frames missing from the log."""
 
     def __init__(self, path: str, name: str, limit: int = LIMIT) -> None:
         try:
@@ -48,7 +48,7 @@ class LogPipe:
         self._waiting: collections.deque[bytes] = collections.deque()
         self._bytes = 0
         self.lost = 0
-        self._untold = 0  # lost and not yet said in the log
+        self._untold = 0  # lost and not yet reported in the log
         self._gone = False
 
     def waiting(self) -> bool:
@@ -77,7 +77,7 @@ class LogPipe:
         self._bytes += len(octets)
 
     def flush(self) -> None:
-        """Hand over what the pipe takes now."""
+        """Write what the pipe accepts now."""
         parts: list[bytes] = []
         size = 0
         while self._waiting and size < WRITE_BYTES:  # not all of a long queue: joining it again and again would cost bus time
@@ -91,7 +91,7 @@ class LogPipe:
         except BlockingIOError:
             taken = 0
         except OSError:
-            self._gone, taken = True, size  # the child died; the bus goes on
+            self._gone, taken = True, size  # the child died; the bus continues
         self._bytes -= taken
         if taken < size:
             self._waiting.appendleft(octets[taken:])
@@ -151,7 +151,7 @@ def log_file(path: str, name: str, limit: int) -> BoundedFile:
 
 
 def _lines(octets: bytes, name: str) -> tuple[list[str], int]:
-    """Lines of the whole records in there, and how many bytes they were."""
+    """Lines of the complete records in there, and how many bytes they were."""
     lines: list[str] = []
     at = 0
     while at + RECORD_BYTES <= len(octets):

@@ -1,9 +1,8 @@
 """The local bus with a modelled wire: frames take their bits' time, the lowest identifier goes first, stamps are those of the wire.
 
-python -m gateway.simulation.bus.broker --name NAME --bitrate 1000000.  A frame is handed over when its last EOF bit has passed on the
-modelled
-wire (AX-331); the broker itself acknowledges, so a sender is never alone.  Remote, extended and error frames
-pass at once, beside the model.
+python -m gateway.simulation.bus.broker --name NAME --bitrate 1000000.  A frame is delivered when its last EOF bit has passed on the
+modelled wire (AX-331); the broker itself acknowledges, so a sender is never alone.  Remote, extended and error frames pass at once, outside
+the model.
 """
 
 import socket
@@ -26,7 +25,7 @@ class WiredBroker(Broker):
     """See the module; everything else is the broker's."""
 
     def __init__(self, name: str, listener: socket.socket, log: LogPipe | None, queue_frames: int, bitrate: int) -> None:
-        """ValueError: a bit is no whole number of nanoseconds."""
+        """ValueError: a bit is not an integer number of nanoseconds."""
         self._wire = Wire(bitrate)
         super().__init__(name, listener, log, queue_frames)
         self._wire.attach("broker")
@@ -76,7 +75,7 @@ class WiredBroker(Broker):
             self._timer.arm(due)
 
     def stats(self) -> dict[str, object]:
-        """The wire's own figures beside the broker's."""
+        """The wire's own figures in addition to the broker's."""
         load = self._wire.load
         wire = {"bits": load.bits, "busy_ns": load.busy_ns, "longest_wait_ns": load.longest_wait_ns, "errors": load.errors}
         return {**super().stats(), "wire": wire}

@@ -79,7 +79,7 @@ class ControlServer:
                 probe.connect(self._path)
             except OSError:
                 with contextlib.suppress(FileNotFoundError):
-                    os.unlink(self._path)  # left behind by one that was killed
+                    os.unlink(self._path)  # left over from a killed process
             else:
                 raise PortError(f"{self._path}: another emulator of this name runs; stop it or take another --name")
         self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_NONBLOCK)

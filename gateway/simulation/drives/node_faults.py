@@ -1,4 +1,4 @@
-"""Commands to the CiA 402 drives of an emulator process; the same socket and form as gateway.simulation.drives.control.
+"""Commands to the CiA 402 drives of an emulator process; socket and form as in gateway.simulation.drives.control.
 
     {"do": "state"}                                       every node, counters
     {"do": "stuck_encoder", "node": 5}                    also wrong_sign, true_encoder, power_off, power_on, reset_node, bus_off, bus_on
@@ -11,7 +11,7 @@
                                                           memory_broken
     {"do": "refuse", "node": 5, "index": 24698, "sub": 0, "code": 134217728, "count": 1}   the next SDO accesses end in this abort code
 
-"axis" may stand for "node".
+"axis" may replace "node".
 """
 
 from collections.abc import Callable

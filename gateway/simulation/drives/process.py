@@ -57,7 +57,7 @@ REOPEN_NS = ms(50)
 
 
 class Recorder:
-    """Rows to a file in plain writes of whole chunks, when the bus leaves time."""
+    """Writes rows to a file in plain writes of full chunks, when the bus leaves time."""
 
     def __init__(self, file: IO[bytes] | None) -> None:
         self._file = file
@@ -70,7 +70,7 @@ class Recorder:
         return self._due if self._rows else None
 
     def add(self, rows: bytes, now: Ns) -> None:
-        """Call it without rows too: what waits is written when its time has come."""
+        """Call it without rows too: waiting rows are written when due."""
         if self._file is None or not (rows or self._rows):
             return
         if not self._rows:
@@ -139,7 +139,7 @@ class Emulator:
         """Waits for a frame, a command or a deadline, then does everything that is to be done."""
         self.open()
         ready = self._epoll.poll(self._timeout_s(self._now()))
-        now = self._now()  # before the port is drained: what was stamped by now minus the grace is then in our hands
+        now = self._now()  # before the port is drained: frames stamped before now minus the grace are then already here
         synced = self._drain(now)
         now = now if self._stretched is None else self._now()  # a SYNC that came lets time go on
         self.slave.wake(now - self.slave.grace_ns)

@@ -53,7 +53,7 @@ class Side:
         return self._has_marks and self.inserted and marks_asked(self._slave)
 
     def take(self, wire: bytes) -> bool:
-        """Characters for the reader; False: there is no reader and so much waits there already that these are lost, as in a UART."""
+        """Characters for the reader; False: there is no reader, and the buffer is full: these are lost, as in a UART."""
         if int.from_bytes(fcntl.ioctl(self._slave, termios.FIONREAD, bytes(4)), sys.byteorder) > UNREAD_LIMIT:
             return False
         try:
@@ -104,7 +104,7 @@ class Recorder:
         if self._file is not None and self._lines:
             try:
                 os.write(self._file.fileno(), "".join(self._lines).encode("ascii"))
-            except OSError:  # a full disk: counted, the line goes on
+            except OSError:  # a full disk: counted, the line continues
                 self.unrecorded += len(self._lines)
             self._lines.clear()
 
@@ -134,7 +134,7 @@ class Line:
             self.insert(side)
 
     def close(self) -> None:
-        """Leaves no links behind."""
+        """Remove the links."""
         for side in self.sides.values():
             side.remove()
         self.recorder.flush()
@@ -169,7 +169,7 @@ class Line:
             self._listen(side)
 
     def remove(self, side: str) -> None:
-        """The adapter of this side is pulled out; what it had not sent is gone with it."""
+        """The adapter of this side is pulled out; its unsent characters are lost."""
         if self.sides[side].inserted:
             self._deafen(side)
             self.ways[side].forget()

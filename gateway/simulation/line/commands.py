@@ -29,7 +29,7 @@ class ControlSocket:
                 probe.connect(self._path)
             except OSError:
                 with contextlib.suppress(FileNotFoundError):
-                    os.unlink(self._path)  # left behind by one that was killed
+                    os.unlink(self._path)  # left over from a killed process
             else:
                 raise PortError(f"{self._path}: another line process of this name runs; stop it or take another --name")
         self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_NONBLOCK)
@@ -115,7 +115,7 @@ def _damage(line: Line, command: Command) -> Answer:
 
 
 def _noise(line: Line, command: Command) -> Answer:
-    """Characters (or one BREAK) as if the sender had sent them, behind what it has sent already."""
+    """Characters (or one BREAK) as if the sender had sent them, after what it has sent already."""
     sender, text = _side(command, "from"), command.get("hex", "")
     if not isinstance(text, str):
         raise BadCommandError("hex: text expected")

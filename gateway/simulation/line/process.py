@@ -40,7 +40,7 @@ def arguments(argv: list[str] | None) -> argparse.Namespace:
 
 
 def real_time(baud: int) -> str:
-    """A paced line runs before everything that is not a bus; an unpaced one would take a whole core from the others."""
+    """A paced line has priority over everything but a bus; an unpaced one would occupy a complete core."""
     if not baud:
         return "normal"
     try:

@@ -49,7 +49,7 @@ def main(argv: list[str]) -> int:
 
 
 def frames(path: pathlib.Path) -> list[Frame]:
-    """Candump text is read here, as our own broker writes more into it than python-can takes; other forms by python-can."""
+    """Candump text is read here, because our own broker writes more into it than python-can reads; other formats by python-can."""
     if path.suffix == ".log":
         with path.open(encoding="utf-8", errors="replace") as file:
             return list(frames_of(file))

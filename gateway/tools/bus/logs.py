@@ -21,7 +21,7 @@ WRITABLE = (*READABLE, ".pcapng")
 
 
 class BadLog(ValueError):
-    """The file is no readable recording; the message names it and the readable kinds."""
+    """The file is not a readable recording; the message names it and the readable kinds."""
 
 
 def read_log(path: pathlib.Path) -> Iterator[Frame]:
@@ -74,7 +74,7 @@ def _relative(path: pathlib.Path) -> bool:
 
 
 def _ours(path: pathlib.Path) -> bool:
-    """The broker's own log: remarks, or three more numbers behind each frame, which python-can does not know."""
+    """The broker's own log: remarks, or three more numbers after each frame, which python-can does not read."""
     with path.open(encoding="utf-8", errors="replace") as lines:
         return any(line.startswith("#") or len(line.split()) > 4 for line, _ in zip(lines, range(LINES), strict=False))
 
@@ -88,7 +88,7 @@ def frame_of(message: can.Message) -> Frame:
 
 @dataclass(frozen=True, slots=True)
 class FdFrame:
-    """What a bus of CAN FD carries beside classic frames: shown and counted, understood by nothing here."""
+    """A CAN FD frame: shown and counted, but not decoded."""
 
     identifier: int
     data: bytes  # up to 64

@@ -126,7 +126,7 @@ def main(argv: list[str]) -> int:
 
 
 def live(bus: can.BusABC, seconds: float | None, summary: Summary) -> Iterator[Frame | FdFrame]:
-    """Frames as they come, until Ctrl-C or `seconds` are over."""
+    """Frames as they arrive, until Ctrl-C or `seconds` are over."""
     end = None if seconds is None else time.monotonic() + seconds
     try:
         while end is None or time.monotonic() < end:

@@ -17,7 +17,7 @@ class NoBus(OSError):
 
 @contextlib.contextmanager
 def open_bus(url: str, bitrate: int, *, own: bool = False, fd: bool = False) -> Iterator[can.BusABC]:
-    """bitrate: bit/s, for adapters that set it; `own`: hear own frames back; `fd`: the kernel's frames of CAN FD as well (other adapters
+    """bitrate: bit/s, for adapters that set it; `own`: receive own frames; `fd`: the kernel's frames of CAN FD as well (other adapters
     have options of their own for it).  Raises NoBus."""
     try:
         adapter = adapter_of(url)

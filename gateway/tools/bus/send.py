@@ -77,7 +77,7 @@ def act(bus: can.BusABC, arguments: argparse.Namespace) -> int:
 
 
 def look_first(bus: can.BusABC, url: str) -> None:
-    """Raises NoBus where a master speaks: an NMT command of a second one takes its drives away."""
+    """Raises NoBus if a master is active: an NMT command of a second one would take its drives away."""
     heard: list[Frame] = []
     end = time.monotonic() + LISTEN_S
     while (left := end - time.monotonic()) > 0:
@@ -89,7 +89,7 @@ def look_first(bus: can.BusABC, url: str) -> None:
 
 
 def frame_of_text(text: str) -> Frame:
-    """ "201#0600" as cansend takes it; eight digits of identifier: an extended frame.  Raises ValueError."""
+    """ "201#0600" as in cansend; eight digits of identifier: an extended frame.  Raises ValueError."""
     identifier, mark, data = text.partition("#")
     try:
         number, payload = int(identifier, 16), bytes.fromhex(data.replace(".", ""))

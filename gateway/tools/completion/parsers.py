@@ -30,7 +30,7 @@ class Option:
 
 @dataclass(slots=True)
 class Node:
-    """What may be behind some words."""
+    """What may follow some words."""
 
     help: str = ""
     subs: "dict[str, Node]" = field(default_factory=dict)
@@ -72,7 +72,7 @@ def parser_of(command: Command, words: Sequence[str] = ()) -> argparse.ArgumentP
 
 
 def tree(entries: Mapping[str, EntryPoint], says: Callable[[EntryPoint], str]) -> Node:
-    """All commands; one that is not installed whole completes its name alone."""
+    """All commands; one with missing dependencies completes only its name."""
     root = Node(subs={"help": Node("the list of commands")})
     for name, entry in sorted(entries.items()):
         node = root.subs[name] = Node(says(entry))

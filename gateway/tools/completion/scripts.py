@@ -95,7 +95,7 @@ def script(shell: str, root: Node, cells: Sequence[str]) -> str:
 
 
 def _values(name: str, node: Node, *, zsh: bool) -> list[str]:
-    """What follows an option that takes a value."""
+    """Completion of a value after an option."""
     lines = []
     for option in node.options:
         if option.values is None:

@@ -182,7 +182,7 @@ def _reported(
 
 
 def _print_json(found: Mapping[str, object]) -> None:
-    """Last of all: a full disk behind standard output costs no report."""
+    """Last of all: a full disk at standard output costs no report."""
     try:
         print(json.dumps(found, ensure_ascii=False), flush=True)
     except BrokenPipeError:
@@ -283,14 +283,14 @@ def started(bench: Bench) -> Iterator[None]:
 
 @contextlib.contextmanager
 def ending_like_ctrl_c() -> Iterator[None]:
-    """A kill or a terminal that goes away would leave the device behind: what was done is reported and the device ended."""
+    """A kill or a closed terminal would leave the device running: report what was done and end the device."""
     with _handled(signal.default_int_handler, "SIGTERM", "SIGHUP"):
         yield
 
 
 @contextlib.contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Who presses Ctrl-C twice gets the whole report all the same."""
+    """A second Ctrl-C still yields the complete report."""
     with _handled(signal.SIG_IGN, "SIGINT", "SIGTERM", "SIGHUP"):
         yield
 
@@ -319,7 +319,7 @@ def _end(child: subprocess.Popen[bytes]) -> None:
 
 
 def _signal(child: subprocess.Popen[bytes], name: str) -> None:
-    """To the whole group of the program, where the system has groups."""
+    """To the complete group of the program, on systems with groups."""
     if hasattr(os, "killpg"):
         with contextlib.suppress(ProcessLookupError):
             os.killpg(child.pid, getattr(signal, name))

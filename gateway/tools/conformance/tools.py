@@ -55,7 +55,7 @@ def _fields(suite: Suite, at: int) -> dict[str, object]:
 
 
 def new_pics(arguments: argparse.Namespace) -> int:
-    """The device is asked first; what it cannot say is asked of the user, where there is one."""
+    """Ask the device first, then the user, if there is one, for what it cannot report."""
     suite = suite_named(arguments.suite)
     if arguments.output is not None and arguments.output.exists():
         raise Stop(f"--output {arguments.output}: this file exists, and what was entered in it would be lost; name another file")

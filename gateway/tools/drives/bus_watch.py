@@ -11,12 +11,12 @@ from drivers.ports.base import PortError
 from gateway.links.canopen.direct_link import DirectLink
 from protocols.canopen.nmt import State, heartbeat
 
-ALIVE_S = 1.5  # one step of a dialogue may take so long: three tries of one SDO request and a pause
+ALIVE_S = 1.5  # longest step of a dialogue: three tries of one SDO request and a pause
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class Heartbeat:
-    """The gateway's heartbeat from a thread, but only while the dialogue itself goes on: a tool that hangs stops its drive too."""
+    """The gateway's heartbeat from a thread, but only while the dialogue makes progress: a tool that hangs stops its drive too."""
 
     def __init__(self, link: DirectLink, period_s: float) -> None:
         self._link, self._period_s = link, period_s
@@ -26,7 +26,7 @@ class Heartbeat:
         self._thread = threading.Thread(target=self._beat, name="heartbeat", daemon=True)
 
     def alive(self) -> None:
-        """The dialogue goes on: the heartbeat does so for one more step."""
+        """The dialogue makes progress: extend the heartbeat by one more step."""
         self._until = time.monotonic() + ALIVE_S
 
     def _beat(self) -> None:

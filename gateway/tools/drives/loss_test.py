@@ -42,7 +42,7 @@ class Stop:
     unit: str
     speed: float  # unit/s when it happened
     reaction_ms: float  # until the axis began to slow down
-    stop_ms: float  # until it stood
+    stop_ms: float  # until standstill
     way: float  # unit
     allowed_ms: float  # supervision time + one cycle, by when it has to react
     good: bool

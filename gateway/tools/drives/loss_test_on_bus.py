@@ -27,7 +27,7 @@ from protocols.canopen import sdo
 POSITION = (0x6064, 0)
 ANSWER_S = 0.05  # patience with one answer
 SLOPE_NS = 40_000_000  # speed is measured over so much
-REST_INC_S = 50  # below it a drive stands
+REST_INC_S = 50  # below it a drive is at standstill
 SLOWER = 0.9  # of its speed: it has begun to stop
 LISTEN_S = 0.5
 
@@ -107,7 +107,7 @@ def measure(client: ToolClient, cell: Cell, urls: Mapping[str, str], velocity: f
 
 
 def _ask_all(witnesses: Mapping[str, Witness], patience_s: float) -> None:
-    """One bus after the other would see the second one when its drives stand already: they are asked in turns."""
+    """In sequence, the drives of the second bus would be at standstill already when polled: poll the buses in turns."""
     end = time.monotonic() + patience_s
     while time.monotonic() < end:
         for witness in witnesses.values():

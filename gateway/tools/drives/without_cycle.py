@@ -41,7 +41,7 @@ Found = dict[str, object]
 
 @contextmanager
 def direct(url: str) -> Iterator[DirectLink]:
-    """The bus by itself; PortError when it cannot be opened."""
+    """The bus without a cycle; PortError if it cannot be opened."""
     port = open_can(url)
     try:
         yield DirectLink(port)
@@ -85,8 +85,8 @@ def start_up(
 ) -> tuple[Node, Moved | None]:
     """One node by the same plan as the cell's master, and one move by hand; pre-operational afterwards, because it is no longer supervised.
 
-    The drive watches the tool's heartbeat, so the tool's death stops it.  Every other way out stops it by controlword and is verified.
-    Raises ManualError with what the drive would not do, and whether it is off.
+    The drive watches the tool's heartbeat, so the tool's death stops it.  Every other exit stops it by controlword and is verified. Raises
+    ManualError with the refused step, and whether the drive is off.
     """
     plan = replace(plan, missed=MISSED)
     master = CanopenMaster("commission", link, [(axis, plan)], lambda kind, words, facts: None)
@@ -102,7 +102,7 @@ def start_up(
                 moved = _move(master, node, manual, signals, life)
                 last = nmt.Command.PRE_OPERATIONAL
             if node.health is Health.READY:
-                master.download(plan.node, CONSUMER_HEARTBEAT, 1, bytes(4))  # the heartbeat that ends now is no fault
+                master.download(plan.node, CONSUMER_HEARTBEAT, 1, bytes(4))  # the heartbeat that ends now is not a fault
             return node, moved
         except MoveEndedError:
             last = nmt.Command.PRE_OPERATIONAL
@@ -159,7 +159,7 @@ def move_plan(axis: Axis, mode: str, way: float | None) -> Manual:
     """One move at the axis' first_enable speed; `way` in its unit, its first_enable travel when left out.  Raises ManualError."""
     scaling, first = scaling_of(axis), axis.first_enable
     longest = (1 << 31) / abs(scaling.inc_per_unit) / to_si(1.0, axis.unit)
-    if way is not None and not abs(way) < longest:  # also what is no number
+    if way is not None and not abs(way) < longest:  # also NaN
         raise ManualError(f"--way {way:g}: a way of axis {axis.name} is a number within +-{longest:.0f} {axis.unit} (32 bits)")
     way_inc = round(to_si(first.travel if way is None else way, axis.unit) * scaling.inc_per_unit)
     speed_inc_s = max(1, round(to_si(axis.limits.speed * percent(first.speed), axis.unit) * abs(scaling.inc_per_unit)))

@@ -1,6 +1,6 @@
 """The debug adapter of `axisgate dap`: programs of old controllers in virtual time, for an editor.  Source: Debug Adapter Protocol 1.68.
 
-Messages are JSON behind a head `Content-Length: n`; the program runs between them.
+Messages are JSON after a header `Content-Length: n`; the program runs between them.
 """
 
 import itertools
@@ -193,7 +193,7 @@ class Adapter:
         return {}
 
     def _breakpoints(self, arguments: Row) -> Row:
-        """A line without a statement takes the next one that has one."""
+        """A line without a statement is moved to the next one that has one."""
         run, source = self._needed(), arguments["source"]
         wanted = [int(each["line"]) + 1 - self._first for each in arguments.get("breakpoints") or ()]
         found, why = run.breakpoints(Path(str(source.get("path") or source.get("name"))), wanted)
@@ -261,7 +261,7 @@ class Inbox:
         self.open = True
 
     def take(self, *, wait: bool) -> Iterator[Row]:
-        """What is whole; `wait`: at least until something comes."""
+        """Complete messages; `wait`: wait at least until something arrives."""
         ready, _, _ = select.select([self._number], [], [], None if wait else 0)
         if ready:
             data = os.read(self._number, 1 << 16)

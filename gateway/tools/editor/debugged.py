@@ -58,5 +58,5 @@ class Debugged(Protocol):
 
 
 def next_lines(lines: Sequence[int], wanted: Sequence[int]) -> list[int | None]:
-    """For each wanted line the first at or behind it that is one of `lines`."""
+    """For each wanted line the first of `lines` at or after it."""
     return [next((line for line in lines if line >= each), None) for each in wanted]

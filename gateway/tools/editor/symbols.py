@@ -17,7 +17,7 @@ NAME = re.compile(r"[@#]?[^\W\d]\w*")
 class Symbol:
     """One name.  `kind`: module, routine, variable, constant, channel, point, type, label.  Lines and columns count from 1.
 
-    `inside`: the routine that declares it, "" for the whole program; `end`: last line of a routine's text.
+    `inside`: the routine that declares it, "" for the complete program; `end`: last line of a routine's text.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Look:
     faults: tuple[PlacedFault, ...] = ()
     names: Callable[[], Iterable[Symbol]] = tuple
     others: Callable[[], Iterable[Symbol]] = tuple
-    words: Mapping[str, str] = field(default_factory=dict)  # text of a word in upper case -> what it is
+    words: Mapping[str, str] = field(default_factory=dict)  # text of a word in upper case -> its kind
 
     @cached_property
     def symbols(self) -> tuple[Symbol, ...]:
@@ -88,7 +88,7 @@ class EditedLanguage(Protocol):
 
 
 def name_at(text: str, line: int, column: int) -> str:
-    """The name at a place, "" for none; a place right behind it counts."""
+    """The name at a place, "" for none; a place just after it counts."""
     rows = text.splitlines()
     row = rows[line - 1] if 0 < line <= len(rows) else ""
     return next((found[0] for found in NAME.finditer(row) if found.start() <= column - 1 <= found.end()), "")
@@ -102,5 +102,5 @@ def column_of(text: str, line: int, name: str) -> int:
 
 
 def decorated(rows: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Words of a language as hover texts: (text, what it is)."""
+    """Words of a language as hover texts: (text, kind)."""
     return {text.upper(): f"**{text}** {what}" for text, what in rows}

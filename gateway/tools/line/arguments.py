@@ -54,7 +54,7 @@ exit code: 0 done, 2 command line or nothing to learn from, 3 port"""
 
 # ---- command line
 def parser(what: str | None, tools_run: Mapping[str, Run]) -> argparse.ArgumentParser:
-    """All six tools; `what`: what the command is, `tools_run`: what each of them runs."""
+    """All six tools; `what`: purpose of the command, `tools_run`: function of each."""
     top = argparse.ArgumentParser("axisgate line", description=what, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter)
     tools = top.add_subparsers(dest="tool", required=True, metavar="TOOL")
     _probe_arguments(_tool(tools, "probe", "run the whole test list against a station", PROBE_EXAMPLES, tools_run["probe"]))

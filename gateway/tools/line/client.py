@@ -18,7 +18,7 @@ from protocols.p3964r.profiles import Priority, Profile
 from protocols.rk512.header import FIRST, FOLLOW_ON, is_reaction
 
 MOST_BYTES = 128  # in one telegram
-SHORT = 32  # characters every station takes
+SHORT = 32  # characters every station accepts
 MOST_CONFLICTS = 16  # blocks a partner may send before our job: then it leaves no room for it
 NO_ANSWER = "no answer to STX within QVZ/ADT {:.0f} ms"
 UNANSWERED = "no answer to the block within QVZ/ADT {:.0f} ms"
@@ -53,7 +53,7 @@ NOT_TAKEN = {
 
 
 class Refused(Exception):
-    """The job failed; `text` gives the reason in words."""
+    """The job failed; `text` names the reason."""
 
     def __init__(self, text: Text) -> None:
         super().__init__(str(text))
@@ -87,7 +87,7 @@ class Client:
         self.link = Link(self.profile, self.priority)
 
     def send(self, db: int, word: int, data: bytes) -> int:
-        """SEND; how many telegrams it took.  Refused gives the reason."""
+        """SEND; return the number of telegrams.  Refused names the reason."""
         if len(data) % 2:
             raise ValueError(f"data of {len(data)} bytes: data words have two each")
         telegrams = 0
@@ -100,7 +100,7 @@ class Client:
         return telegrams
 
     def fetch(self, db: int, word: int, words: int) -> bytes:
-        """FETCH; 2 x words bytes.  Refused gives the reason."""
+        """FETCH; return 2 x words bytes.  Refused names the reason."""
         data = b""
         while len(data) < 2 * words:
             here = min(TELEGRAM_WORDS, words - len(data) // 2)
@@ -135,7 +135,7 @@ class Client:
         return reaction
 
     def _fits(self, size: int) -> bool:
-        """What came last may be the reaction to a command that gets so many bytes."""
+        """Whether the last block may be the reaction to a command that requests so many bytes."""
         last = self._blocks[-1]
         return is_reaction(last) and (last[3] != 0 or len(last) == 4 + size)
 
@@ -157,7 +157,7 @@ class Client:
         return said("no reaction telegram within {:.0f} s: does the partner speak RK512 (not raw 3964R)?", wait)
 
     def listen(self, how_long: Ns) -> list[bytes]:
-        """Takes what the partner sends by itself."""
+        """Receive what the partner sends on its own."""
         self._run(lambda: False, self.wire.now() + how_long)
         blocks, self._blocks = self._blocks, []
         return blocks
@@ -228,7 +228,7 @@ class Client:
                 if not 0 < self.link.overtaken_by <= self._job:  # else its partner wished to send it before it had our command (AX-242)
                     self._blocks.append(event.data)
             elif isinstance(event, BlockSent):
-                self._blocks.clear()  # what came before our command was taken is no answer to it: a reaction repeated
+                self._blocks.clear()  # blocks received before our command was accepted are not answers to it: a repeated reaction
             elif isinstance(event, BlockRefused) and len(self._events) > 10_000:
                 del self._events[:5_000]
 

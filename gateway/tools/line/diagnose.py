@@ -1,4 +1,4 @@
-"""Gathers the evidence for `axisgate line diagnose` at one port; what it means is judged in gateway.pure.lines.diagnosis."""
+"""Gathers the evidence for `axisgate line diagnose` at one port; gateway.pure.lines.diagnosis judges it."""
 
 import os
 import pathlib
@@ -52,7 +52,7 @@ def gather(opener: Opener, line_format: str, profile: Profile, priority: str, ur
 
 
 def _disturbed(seen: Evidence) -> bool:
-    """What was said came back, whole or damaged, or the idle line is not quiet."""
+    """Whether sent characters came back, complete or damaged, or the idle line is not quiet."""
     back = bool(matches(seen.pattern, seen.returned)) or any(isinstance(what, Damage) for what in seen.returned)
     return back or any(what != Char.NAK for what in seen.idle)
 
@@ -71,7 +71,7 @@ def _listen(bench: Bench, how_long: Ns, seen: Evidence) -> list[Heard]:
 
 
 def _take(bench: Bench, seen: Evidence) -> None:
-    """The partner's block behind its STX."""
+    """The partner's block after its STX."""
     try:
         seen.blocks.append(bench.take())
     except Verdict:
@@ -86,7 +86,7 @@ def _connect(bench: Bench, seen: Evidence) -> Heard | None:
         got = bench.answer(bench.profile.ack_delay)
         if got != Char.STX:
             break
-        got = bench.answer(bench.profile.char_delay)  # both at once: DLE if it gives way, nothing if it has priority
+        got = bench.answer(bench.profile.char_delay)  # both at once: DLE if it yields, nothing if it has priority
         if got is not None:
             break
         _take(bench, seen)
@@ -103,7 +103,7 @@ def _stx(bench: Bench, seen: Evidence) -> list[Heard]:
 
 
 def _rest(bench: Bench, slow: Ns = 0) -> list[Heard]:
-    """What follows until it is quiet; `slow`: so long the partner takes for an answer."""
+    """What follows until it is quiet; `slow`: additional wait for a slow partner."""
     heard: list[Heard] = []
     while (got := bench.answer(bench.profile.char_delay + ms(100) + slow)) is not None and len(heard) < 200:
         heard.append(got)
@@ -111,7 +111,7 @@ def _rest(bench: Bench, slow: Ns = 0) -> list[Heard]:
 
 
 def _slow(seen: Evidence) -> Ns:
-    """So much longer than others this partner takes for an answer."""
+    """Longest answer time of a slow partner; 0: it is not slow."""
     longest = max(seen.answer_times, default=0)
     return longest if longest > NOT_SLOW else 0
 
@@ -178,7 +178,7 @@ def _settle(bench: Bench, seen: Evidence) -> None:
 
 
 def _fetch(bench: Bench, seen: Evidence) -> None:
-    """A FETCH: is there a reaction, and who goes on when our STX meets the STX of it?"""
+    """A FETCH: does a reaction come, and which station continues when our STX collides with the reaction's?"""
     if _offer(bench, wire_block(FETCH_ANY), seen) != Char.DLE:
         return
     seen.reaction = b""

@@ -1,6 +1,6 @@
-"""Opens what a tool talks to: sim:NAME, line:RUN-LINE, pty:/path, /dev/tty..., COM5, tcp://host:port, rfc2217://host:port.
+"""Opens a tool's partner: sim:NAME, line:RUN-LINE, pty:/path, /dev/tty..., COM5, tcp://host:port, rfc2217://host:port.
 
-On Linux the ports of the product are used, which mark damaged characters; elsewhere pyserial, which does not.  Modules that exist on Linux
+On Linux it uses the ports of the product, which mark damaged characters; elsewhere pyserial, which does not.  Modules that exist on Linux
 only are imported when such a port is opened, never before (AX-200).
 """
 
@@ -15,11 +15,11 @@ from gateway.links.serial.tool_wire import RealWire, ToolPort, Wire
 from protocols.base.machine import Damage
 
 PYSERIAL = ("COM", "com", "socket://", "loop://")
-NETWORK = ("tcp:", "rfc2217:")  # no interface of this machine behind the descriptor
+NETWORK = ("tcp:", "rfc2217:")  # descriptors without an interface of this computer
 
 
 def open_wire(url: str, line_format: str = "9600 8E1") -> Wire:
-    """The line behind an address.  PortError: cannot be opened; ValueError: address or format not readable."""
+    """The line at an address.  PortError: cannot be opened; ValueError: address or format not readable."""
     if url.startswith("sim:"):
         from gateway.conformance.serial.partners import simulated
 
@@ -80,7 +80,7 @@ class SelectPort:
         from drivers.ports.serial.descriptor import is_pty
 
         if is_pty(self._port.fileno()):
-            return False  # the kernel takes the call and does nothing
+            return False  # the kernel accepts the call and does nothing
         termios.tcsendbreak(self._port.fileno(), 0)
         return True
 
@@ -172,7 +172,7 @@ class PyserialPort:
             raise PortError(getattr(error, "errno", None) or 0, f"serial port {self.name}: lost ({error})") from error
 
     def unsent(self) -> int:
-        """0 where no line is behind the address; else unknown, and the count by character time holds."""
+        """0 if the address has no serial line; otherwise unknown, and the count by character time applies."""
         return 0 if "://" in self._url else 1
 
     def wait(self, seconds: float) -> None:

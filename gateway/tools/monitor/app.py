@@ -92,7 +92,7 @@ class Monitor(App[None]):
         return self.line.is_attached and self.tables[self.tab].is_attached
 
     async def refresh_look(self) -> None:
-        """One look; a slow one is not queued behind."""
+        """One look; a slow one does not queue up."""
         if self.held or self._busy.locked() or not self._on_screen:
             return
         async with self._busy:

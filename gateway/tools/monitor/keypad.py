@@ -49,7 +49,7 @@ def key_of(typed: str, character: str | None, unit: Unit) -> str | None:
 
 
 def keys_of(words: str, unit: Unit) -> list[str]:
-    """`MODE 7.3.2 ENTER`: names and characters as they are pressed.  ValueError names what is no key."""
+    """`MODE 7.3.2 ENTER`: names and characters in the order pressed.  ValueError names what is not a key."""
     keys: list[str] = []
     for word in words.upper().split():
         parts = [word] if word in unit.names else list(word)

@@ -1,4 +1,4 @@
-"""Reads a running cell as the page does: regions and the services' answers; it gives no sign of life (AX-494)."""
+"""Reads a running cell like the page: regions and the services' answers; it sends no sign of life (AX-494)."""
 
 import asyncio
 import os

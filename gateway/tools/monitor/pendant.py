@@ -18,7 +18,7 @@ from gateway.tools.monitor.widgets import Help
 
 TICK_S = 0.2
 SETTLED_S = 0.3  # the control reads its keys within 5 ms; what is shown follows within 200 ms
-HOLD_S = 0.15  # a held key is said so often; the services release one that is silent for half a second
+HOLD_S = 0.15  # repeat interval of a held key; the services release one that is silent for half a second
 FEW_LINES = 8  # a larger display has flat keys
 FRAME = 2
 KEYS = """0..9  .  -    as on the pendant
@@ -63,7 +63,7 @@ class PanelLink:
         return await self.ask(op="panel", hold=key, first=first)
 
     async def release(self, key: str) -> Row:
-        """The same when it is let go."""
+        """The same on release."""
         return await self.ask(op="panel", release=key)
 
     def close(self) -> None:
@@ -128,7 +128,7 @@ class Pendant(App[None]):
         self.link = PanelLink(run)
         self.holds = False
         self.holding = ""  # key that the mouse holds
-        self.unit: Unit | None = None  # as soon as the services have said it
+        self.unit: Unit | None = None  # set once the services have reported it
         self.shown: Row = {"screen": [], "mode": "?", "lost_keys": 0}
         self._words = ""
         # kept here, not looked up: while the keys are shown or the app ends, another screen or none is in front
@@ -184,7 +184,7 @@ class Pendant(App[None]):
             await self.action_control()
 
     async def _keep(self) -> None:
-        """A key that the mouse holds is said again and again, one that it has let go is released."""
+        """Repeat a key that the mouse holds, and release it with the mouse."""
         if not (self.holding or self._held):
             return
         async with self._busy:
@@ -196,7 +196,7 @@ class Pendant(App[None]):
                 await self._show(self.link.hold(self._held, first=first))
 
     async def _press(self, name: str) -> None:
-        """In the order they were pressed, each heard by the panel before the next."""
+        """In the order pressed, each received by the panel before the next."""
         self._pressed.put_nowait(name)
         async with self._busy:
             while not self._pressed.empty():
@@ -234,7 +234,7 @@ class Pendant(App[None]):
             self.holds = False
 
     async def action_control(self) -> None:
-        """Ask for it, or give it back."""
+        """Request control, or give it back."""
         code = "release_control" if self.holds else "request_control"
         async with self._busy:
             try:
@@ -252,7 +252,7 @@ class Pendant(App[None]):
 
 
 async def once(run: str, words: str) -> Row:
-    """Keys by name and character, then the present display; Gone, PanelError, ValueError: what is no key."""
+    """Send keys by name and character, then return the present display; Gone, PanelError, ValueError: what is not a key."""
     link = PanelLink(run)
     try:
         shown = await link.screen()

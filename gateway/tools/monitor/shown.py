@@ -133,7 +133,7 @@ def sources_table(regions: Regions) -> Table:
 
 
 def sentences_table(lines: Row, language: str) -> Table:
-    """What was said on the lines, newest last."""
+    """Sentences about the traffic on the lines, newest last."""
     sentences = sorted(((line, one) for line, kept in lines.items() for one in kept), key=lambda said: said[1]["ms"])[-SHOWN_SENTENCES:]
     rows = tuple((line, f"{one['ms']:.1f}", *_sentence(one, language == "de")) for line, one in sentences)
     marks = tuple("bad" if one.get("kind") in ("BROKEN", "DAMAGED") or one["ok"] is False else "" for _, one in sentences)

@@ -15,7 +15,7 @@ class Table:
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...] = ()
     marks: tuple[str, ...] = ()
-    empty: str = ""  # what is said instead of rows
+    empty: str = ""  # text shown instead of rows
 
     def records(self) -> list[dict[str, str]]:
         """Rows by column, for JSON."""
@@ -45,5 +45,5 @@ def number(value: object, decimals: int = 3) -> str:
 
 
 def sentence(words: Sequence[str]) -> str:
-    """Words behind one another, those that are there."""
+    """The non-empty words, joined."""
     return ", ".join(word for word in words if word)

@@ -15,12 +15,12 @@ STYLES = {"bad": "bold red", "warn": "yellow", "old": "dim"}
 
 
 class LiveTable(DataTable[Text]):
-    """Only what changed and can be seen is drawn again; the cursor stays on its line."""
+    """Only changed and visible cells are drawn again; the cursor stays on its line."""
 
     def __init__(self, name: str) -> None:
         super().__init__(cursor_type="row", zebra_stripes=True, id=name)
         self._columns: tuple[str, ...] = ()
-        self._drawn: list[tuple[tuple[str, ...], str]] = []  # rows with their marks as they stand in the widget
+        self._drawn: list[tuple[tuple[str, ...], str]] = []  # rows with their marks as shown in the widget
 
     def show(self, table: Table) -> None:
         """A table of other columns or another number of rows is built anew."""

@@ -51,7 +51,7 @@ class Section:
     part: Coming | None = None
     path: FilePath | None = None  # of its one block, MOVE_FILE
     placed: bool = False  # the axes got other places before it (SF 3)
-    ends: Sequence[float] = ()  # (axes,) where they are behind it, the belt where it was programmed
+    ends: Sequence[float] = ()  # (axes,) the positions after it, the belt at its programmed position
 
 
 def sections_of(
@@ -65,9 +65,10 @@ def sections_of(
     said: Callable[[int], None] = lambda block: None,
     slowed: dict[int, Slowed] | None = None,
 ) -> tuple[list[Section], list[BlockError]]:
-    """Every block, each looked at from where the last good one ended; a part on a belt as if the belt were in its intended position, an
-    alterable part without its correction.  option: the robot has one; kinematic: its number in the cell; `said` hears the number of each
-    block that was looked at, `slowed` gets those whose programmed speed an axis cannot keep."""
+    """Look at every block from where the last good one ended; a belt-synchronous part as if the belt were in its intended position, an
+    alterable part without its correction.  option: the robot has one; kinematic: its number in the cell; `said` gets the number of each
+    block that was looked at, `slowed` those whose programmed speed an axis cannot keep.
+    """
     route, found, faults = _Looked(machine, program.start), [Section(1, program.start)], []
     blocks = [located(block, machine.corrects) for block in program.blocks]
     for number, block in enumerate(blocks, 1):
@@ -88,7 +89,7 @@ def sections_of(
                     route.reset(placed[-1])
                 coming = begun(block, number, belts, machine, route.position, kinematic, section.part) if block.synchron is not None else []
                 part = next((each for each in coming if not each.engages), None)
-                if part is None or part.inside is None:  # SYNC inside its part: it goes on
+                if part is None or part.inside is None:  # SYNC inside its part: it continues
                     section = Section(number, route.position, part.blocks if part is not None else [], part, placed=bool(placed))
                     found.append(section)
             plan = section.part.tried if section.part is not None else None
@@ -115,8 +116,9 @@ def sections_of(
 
 
 class _Looked:
-    """A route that is fed what can be run.  rows: faults of rows of SPLINE blocks, which show only behind them, with the program's number
-    of the block; found: (block of the program, stretch) up to the last rest."""
+    """A route of the blocks that can be run.  rows: faults of rows of SPLINE blocks, known only after them, with the program's number of
+    the block; found: (block of the program, stretch) up to the last rest.
+    """
 
     def __init__(self, machine: Machine, start: Sequence[float]) -> None:
         self._route = Route(machine, start)
@@ -169,8 +171,9 @@ class DryRun:
     period: float = PERIOD_S
 
     def run(self, sections: Sequence[Section], said: Callable[[int], None] = lambda block: None) -> Trace:
-        """All sections, each from where the one before really ended; BlockError where a part cannot go on.  `said` hears how many blocks
-        have been run."""
+        """Run all sections, each from the real end of the one before; BlockError if a part cannot continue.  `said` gets the number of
+        blocks run.
+        """
         start = tuple(sections[0].start)
         parts: list[Trace] = []
         for section in sections:
@@ -212,13 +215,13 @@ class DryRun:
 
 
 def played(path: FilePath, start: Sequence[float], period: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """MOVE_FILE on the grid of the page, from where the axes stand: (n,) s and (n, axes)."""
+    """MOVE_FILE on the grid of the page, from the present axis positions: (n,) s and (n, axes)."""
     t = np.arange(math.ceil(path.duration / period) + 1, dtype=np.float64) * period
     return t, path.begun_at(start).at(np.minimum(t, path.duration))
 
 
 class _PartRun:
-    """One part: its belt, the stepper beside it, and what the planner makes of its blocks."""
+    """One part: its belt, its stepper, and the planner's path of its blocks."""
 
     def __init__(self, dry_run: DryRun, section: Section, part: Coming, start: Sequence[float]) -> None:
         assert part.tried is not None
@@ -236,7 +239,7 @@ class _PartRun:
         self._planner: Planner | None = None
         self._machine = dry_run.machine
         self._steps: deque[BeltAct | list[Block]] = deque()  # SYNC, and paths, to come
-        self._last = section.first - 1  # block behind those whose path is there
+        self._last = section.first - 1  # last block with a planned path
 
     def _even(self, facts: BeltFacts, speed: float) -> BeltFacts:
         """Simulated at this speed."""
@@ -282,7 +285,7 @@ class _PartRun:
         self._go_on(start)
 
     def _go_on(self, position: Sequence[float]) -> None:
-        """At rest: the SYNC that comes next, or the path behind the one that has been met."""
+        """At rest: continue with the next SYNC, or with the path after one that was met."""
         belts, part = self._belts, self._plan
         if not self._steps or (belts.awaits and not belts.met(self._inputs)):
             return
@@ -320,7 +323,7 @@ class _PartRun:
         return self._last - self._planner.added + max(self._planner.place(self._begins[piece])[0], 1)
 
     def _over(self) -> bool:
-        """Types 2 and 3: at the last point; type 1: its path is run, and the robot is at rest beside the belt."""
+        """Types 2 and 3: at the last point; type 1: its path is run, and the robot is at rest next to the belt."""
         if self._plan.facts.kind is not Type.PARALLEL:
             return self._belts.done
         waits = self._planner is None or bool(self._steps) or self._belts.awaits

@@ -52,8 +52,9 @@ NO_CELL = CellFacts()
 @dataclass
 class TeamSection:
     """Blocks in a row without a change of numbers, one MOVE_FILE, or parts of one kinematic.  first: number of the first; before: blocks of
-    the program, less those of the route, in front of it; `start`: (all axes,) where they begin; placed: kinematics whose axes got other
-    places before it (SF 3)."""
+    the program, less those of the route, before it; `start`: (all axes,) where they begin; placed: kinematics whose axes got other places
+    before it (SF 3).
+    """
 
     first: int
     before: int
@@ -111,7 +112,7 @@ class _Looked:
         self.own = []
 
     def begin(self, number: int, start: Joints, placed: frozenset[int]) -> None:
-        """Another section, behind a finished one."""
+        """Begin another section after a finished one."""
         self.section = TeamSection(number, number - 1 - self.route.added, start, placed, belts=self.belts)
         self.sections.append(self.section)
         self.route.reset(start)
@@ -250,6 +251,6 @@ def _alone(section: TeamSection, member: int, team: Team, start: Joints, cell_fa
 
 
 def _filed(start: Sequence[Joints], member: int, path: FilePath, period: float) -> NDArray[np.float64]:
-    """(n, all axes) while one runs its file, and the others stand."""
+    """(n, all axes) while one runs its file and the others are at standstill."""
     way = played(path, start[member], period)[1]
     return np.concatenate([way if n == member else np.tile(own, (len(way), 1)) for n, own in enumerate(start)], axis=1)

@@ -41,7 +41,7 @@ def page(program: Program, machine: Machine, trace: Trace) -> str:
 
 
 def team_page(program: TeamProgram, team: Team, traces: Sequence[Trace]) -> str:
-    """The same of several kinematics, one after the other over the same time."""
+    """The same for several kinematics, one below the other over the same time."""
     title = html.escape(program.name or "program")
     body = [_head(title, f"{len(program.kinematics)} kinematics on one clock", len(program.blocks), traces[0])]
     for each, machine, trace in zip(program.kinematics, team.machines, traces, strict=True):

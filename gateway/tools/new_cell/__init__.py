@@ -1,1 +1,1 @@
-"""The first minutes with a machine: a cell file out of five answers, and whether axisgate can take the old controller's place."""
+"""The first minutes with a machine: a cell file from five answers, and whether axisgate can replace the old controller."""

@@ -1,4 +1,4 @@
-"""Can axisgate take the old controller's place?  Ten answers, then yes, no, or with what; each reason names what it rests on.
+"""Can axisgate replace the old controller?  Ten answers, then yes, no, or with what; each reason names its source.
 
 "Replaces" means: takes over the listed functions, to the listed evidence level.
 """
@@ -90,7 +90,7 @@ def assess(answers: Mapping[str, str]) -> list[Reason]:
 
 
 def verdict(reasons: list[Reason]) -> Verdict:
-    """The whole: its worst part."""
+    """The overall verdict: that of the worst part."""
     return max(reason.verdict for reason in reasons)
 
 

@@ -16,7 +16,7 @@ REPLACES = {
 
 
 def cell_text(kind: str, answers: Mapping[str, str], language: str = "en") -> str:
-    """The whole file; `answers` as gateway.tools.new_cell.questions checked them."""
+    """The complete file; `answers` as gateway.tools.new_cell.questions checked them."""
     count = int(answers["axes"])
     parts = [_head(kind, answers, language), _safety(kind)]
     if kind == "reis":

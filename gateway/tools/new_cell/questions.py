@@ -14,7 +14,7 @@ class BadAnswer(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """`check` gives the answer as it goes into the cell; raises ValueError with what is allowed."""
+    """`check` returns the answer in the form of the cell; raises ValueError with the allowed values."""
 
     key: str
     text: str
@@ -62,7 +62,7 @@ def _partner(answer: str) -> str:
 
 
 def _from_elsewhere(answer: str) -> str:
-    """Of a server other computers reach: no default, and not this computer."""
+    """For a server that other computers reach: no default, and not this computer."""
     if not answer or ipaddress.ip_network(_partner(answer), strict=False).is_loopback:
         raise ValueError("other computers reach this bind; the address of the PLC that may write is needed, 10.0.0.5")
     return answer

@@ -30,7 +30,7 @@ class Parts:
 
 @dataclass(slots=True)
 class _Points:
-    """Points get addresses one after the other."""
+    """Assigns addresses to points in sequence."""
 
     rows: list[str] = field(default_factory=list)
     lost: list[str] = field(default_factory=list)
@@ -220,7 +220,7 @@ def _limited(rest: str, card: Card) -> str:
 
 
 def drives_of(cell: str) -> str:
-    """Of a shipped cell: from [rc_inputs] on, without its programs."""
+    """Part of a shipped cell: from [rc_inputs] on, without its programs."""
     text = cell[cell.index("[rc_inputs]") :]
     while (at := text.find("[[program]]")) >= 0:
         behind = SECTION.search(text, at + 2)
