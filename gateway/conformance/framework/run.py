@@ -274,10 +274,21 @@ class Runner:
 
 
 def ordered(purposes: Sequence[Purpose[Tester]], seed: int | None) -> list[Purpose[Tester]]:
-    """Purposes that others start from come first, then early ones; the rest as written, or shuffled; those that switch the supply last: a
-    device that loses its settings with it would fail in all others."""
+    """Purposes that others start from come first, each behind those it starts from itself, then early ones; the rest as written, or
+    shuffled; those that switch the supply last: a device that loses its settings with it would fail in all others."""
     needed = {before for purpose in purposes for before in purpose.preamble}
-    first = [purpose for purpose in purposes if purpose.id in needed]
+    known, placed = {purpose.id: purpose for purpose in purposes}, dict[str, Purpose[Tester]]()
+
+    def place(purpose: Purpose[Tester]) -> None:
+        for before in purpose.preamble:
+            if before in known and before not in placed:
+                place(known[before])
+        placed[purpose.id] = purpose
+
+    for purpose in purposes:
+        if purpose.id in needed and purpose.id not in placed:
+            place(purpose)
+    first = list(placed.values())
     early = [purpose for purpose in purposes if purpose.id not in needed and purpose.early]
     rest = [purpose for purpose in purposes if purpose.id not in needed and not purpose.early]
     if seed is not None:

@@ -83,6 +83,10 @@ def takes_constants(drive: Drive) -> None:
     put(objects, download=lambda key, data: OK if key == (0x1018, 4) else download(key, data))
 
 
+def emcy_is_sync(drive: Drive) -> None:
+    drive.node.objects.values[0x1014, 0] = drive.node.objects.factory[0x1014, 0] = cobid.SYNC
+
+
 def watches_one(drive: Drive) -> None:
     """Of 1016h the first entry counts."""
     consumer, objects = drive.node.consumer, drive.node.objects
@@ -133,6 +137,7 @@ SETTINGS: tuple[tuple[str, str, str, Tune | None, Says | None, Says | None], ...
     ("keeps-rpdos", "reset communication keeps 1400h:02", "NMT_BV_10", kept_over_reset((0x1400, 2)), None, None),
     ("keeps-sync", "reset communication keeps 1005h", "NMT_BV_10", kept_over_reset((0x1005, 0)), None, None),
     ("other-server", "1200h names another identifier", "DIC_BV_07", lambda drive: drive.fixed((0x1200, 2), 0x601), None, None),
+    ("emcy-is-sync", "1014h is the identifier of SYNC", "DIC_BV_08", emcy_is_sync, None, None),
     ("watches-one", "watches the node in 1016h:01 only", "ERR_BV_20", watches_one, None, None),
     ("state-13th", "one heartbeat in 13 shows another state", "ERR_ST_01", None, state_each_13th, None),
     ("toggle-29th", "one answer in 29 to guarding has a wrong toggle bit", "ERR_ST_02", None, toggle_each_29th, None),

@@ -1,16 +1,19 @@
 """CiA 402: drives whose ramps, references, modes and windows are shown or taken, but not in force (used by peers.cia402)."""
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 
 from drivers.emulator.cia402 import objects as od
-from drivers.emulator.cia402.modes import IMMEDIATELY, NEW_SET_POINT, RELATIVE, ProfilePosition
+from drivers.emulator.cia402.modes import IMMEDIATELY, NEW_SET_POINT, RELATIVE, CyclicPosition, HomingMode, ProfilePosition
 from drivers.emulator.cia402.states import TARGET, State
 from gateway.conformance.peers.can_devices import Drive, Tune, put
+from protocols.base.machine import ms
 from protocols.canopen.dictionary import Access, Key
 
 STEEP = 50_000_000  # inc/s2
 INC_PER_TURN = 16_384
+ERROR_REGISTER: Key = (0x1001, 0)
 
 
 def in_mode(mode: int, key: Key, change: Callable[[int], int]) -> Tune:
@@ -138,6 +141,64 @@ def absolute_offset(drive: Drive) -> None:
         axis.place.shift, axis.place.homed = abs(axis.value(od.HOME_OFFSET)) - counter, True
 
     put(axis, set_home=home)
+
+
+def homing_by_itself(drive: Drive) -> None:
+    """Homing starts with operation enabled, without bit 4."""
+    mode = drive.axis.modes[6]
+    assert isinstance(mode, HomingMode)
+    enter = mode.enter
+
+    def entered() -> None:
+        enter()
+        mode._begin()
+
+    put(mode, enter=entered)
+
+
+def one_sync_late(drive: Drive) -> None:
+    """In CSP a set value acts with the SYNC after the next one."""
+    mode = drive.axis.modes[8]
+    assert isinstance(mode, CyclicPosition)
+    real, enter, sync = mode.value, mode.enter, mode.sync
+    held: list[int] = []
+
+    def entered() -> None:
+        enter()
+        held[:] = [int(drive.axis.position)]
+
+    def synced(new: bool) -> None:
+        acts, held[0] = held[0], real(od.TARGET_POSITION)
+        put(mode, value=lambda key: acts if key == od.TARGET_POSITION else real(key))
+        sync(new)
+
+    put(mode, enter=entered, sync=synced)
+
+
+def each_7th_lost(drive: Drive) -> None:
+    """In CSP each seventh set value is lost."""
+    mode, tally = drive.axis.modes[8], itertools.count(1)
+    sync = mode.sync
+    put(mode, sync=lambda new: sync(new) if next(tally) % 7 else None)
+
+
+def register_stays(drive: Drive) -> None:
+    """1001h keeps each error that it has shown."""
+    readers, values = drive.node.objects.readers, drive.node.objects.values
+    real = readers.get(ERROR_REGISTER, lambda: values[ERROR_REGISTER])
+
+    def shown() -> int:
+        drive.tally |= int(real())
+        return drive.tally
+
+    readers[ERROR_REGISTER] = shown
+
+
+def own_period(drive: Drive) -> None:
+    """60C2h may be written; in CSP a way takes 4 ms whatever it holds."""
+    axis = drive.axis
+    follow = axis.follow
+    put(axis, follow=lambda position, time, speed: follow(position, ms(4) if axis.mode.code == 8 else time, speed))
 
 
 def motor_speed(in_force: bool) -> Tune:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from gateway.conformance.peers.modbus_devices import Device
 from gateway.conformance.peers.modbus_rows import Row, mutants, variants
-from protocols.base.machine import Damage, Ns
+from protocols.base.machine import Damage, Ns, ms
 from protocols.modbus.crc import crc, sealed
 from protocols.modbus.mbap import Request
 from protocols.modbus.rtu import Dropped, Fault
@@ -196,6 +196,19 @@ class SkipsDamage(Device):
         return []
 
 
+class MuteAfterDamage(Device):
+    """Two seconds after a damaged character it does not hear."""
+
+    _until: Ns = 0
+
+    def damaged(self, kind: Damage, now: Ns) -> Sequence[object]:
+        self._until = now + ms(2000)
+        return super().damaged(kind, now)
+
+    def receive(self, data: bytes, now: Ns) -> Sequence[object]:
+        return super().receive(data, now) if now >= self._until else []
+
+
 class LongCrc(Device):
     """The CRC of answers of more than a hundred bytes is wrong."""
 
@@ -210,6 +223,7 @@ MORE: tuple[Row, ...] = (
     ("no-coil-broadcast", "a broadcast to coils has no effect", ("STA_BV_01",), lambda rtu: NoCoilBroadcast(True)),
     ("refuses-broadcast", "answers a bad broadcast with an exception", ("STA_BI_02",), lambda rtu: RefusesBroadcast(True)),
     ("skips-damage", "leaves a damaged character out", ("STA_BI_04",), lambda rtu: SkipsDamage(True)),
+    ("mute-after-damage", "mute for 2 s after a damaged character", ("STA_RC_01",), lambda rtu: MuteAfterDamage(True)),
     ("long-crc", "the CRC of long answers is wrong", ("ANS_BV_05",), lambda rtu: LongCrc(True)),
     ("bad-crc", "sends its CRC high byte first", ("FUN_BV_01",), lambda rtu: BadCrc(True)),
     ("other-unit", "answers as unit 9", ("FUN_BV_01",), lambda rtu: OtherUnit(True)),

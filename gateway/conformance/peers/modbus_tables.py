@@ -49,6 +49,23 @@ class FirstCoils(Tables):
         return super().write_bits(address, list(values)[:8])
 
 
+class CoilsToo(Tables):
+    """Registers written together change the coils of their numbers as well."""
+
+    def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
+        if len(values) > 1:
+            self.write_bits(address, [bool(value & 1) for value in values])
+        return super().write_words(address, values)
+
+
+class RegistersToo(Tables):
+    """A coil that is written clears the register of its number."""
+
+    def write_bits(self, address: int, values: Sequence[bool]) -> ExceptionCode | None:
+        self.words[Kind.HOLDING_REGISTERS][address : address + len(values)] = [0] * len(values[: SIZE - address])
+        return super().write_bits(address, values)
+
+
 class NextToo(Tables):
     def write_words(self, address: int, values: Sequence[int]) -> ExceptionCode | None:
         return super().write_words(address, [*values, values[-1]])

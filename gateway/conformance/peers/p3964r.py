@@ -84,6 +84,7 @@ from gateway.conformance.peers.p3964r_senders import (
 )
 from gateway.conformance.peers.p3964r_stations import (
     BreakHangs,
+    BreakUnheard,
     Crowded,
     DeafAfter,
     DleTwice,
@@ -229,6 +230,7 @@ MUTANTS = (
     _mutant("dle-in-idle", "answers DLE in idle with DLE", [f"{R}BO_04"], _with(DleInIdle)),
     _mutant("stray-opens", "any character in idle opens a block", [f"{R}BO_01"], _with(StrayOpens)),
     _mutant("answers-nak", "answers NAK in idle", [f"{R}BO_02"], _with(AnswersNak)),
+    _mutant("break-unheard", "takes a block with a BREAK inside", [f"{R}BI_10"], BreakUnheard),
     _mutant("break-hangs", "deaf after BREAK", [f"{R}BO_03", f"{R}BI_10"], BreakHangs),
     _mutant(
         "ignores-parity",

@@ -48,6 +48,13 @@ class BreakHangs(Built):
         return [] if self._hung else super().receive(data, now)
 
 
+class BreakUnheard(Built):
+    """A BREAK is not seen at all."""
+
+    def damaged(self, kind: Damage, now: Ns) -> Sequence[object]:
+        return [] if kind is Damage.BREAK else super().damaged(kind, now)
+
+
 class ResetsOnConflict(Built):
     """Forgets the line when both send STX: no answer, no job."""
 

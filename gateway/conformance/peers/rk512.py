@@ -47,6 +47,7 @@ from gateway.conformance.peers.rk512_passive import (
     Beside,
     Change,
     ChangedReactions,
+    ChattyAndSilent,
     DiesOfErrors,
     FetchDx,
     Ignores,
@@ -317,6 +318,7 @@ VARIANTS = (
     _variant("read-only", "nothing may be written", touch=False),
     _variant("slow", "DLE after 120 ms", make=AnswersLate),
     _variant("chatty", "sends a block every 2 s", make=Chatty),
+    _variant("chatty-and-silent", "the same, and no reaction to what is no command", make=ChattyAndSilent),
     _variant("not-allowed", "0Ah for a missing block", make=_number(0x14, 0x0A)),
     _variant(
         "own-number",

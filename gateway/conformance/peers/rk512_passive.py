@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from gateway.conformance.peers.powered import Powered
-from gateway.conformance.peers.stations import Built
+from gateway.conformance.peers.stations import Built, Chatty
 from gateway.conformance.serial.partners import Blocks, Late
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.profiles import RHO3, Priority
@@ -30,6 +30,14 @@ class ChangedReactions(Passive):
     def take_output(self) -> bytes | None:
         output = super().take_output()
         return output if output is None else self._change(self._command, output)
+
+
+class ChattyAndSilent(Chatty):
+    """Correct; sends blocks of its own, and does not react to what begins neither with 00 nor with FF."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.passive = ChangedReactions(self.blocks, lambda command, said: said if command[:1] in (b"\0", b"\xff") else None)
 
 
 class StickyNumber(ChangedReactions):

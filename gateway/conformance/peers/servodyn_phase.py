@@ -77,6 +77,23 @@ def feed_forward(factor: float) -> Heard:
     return lambda booster, value: value._replace(speed_rpm=max(min(round(factor * value.speed_rpm), 32767), -32768))
 
 
+def one_late(booster: Booster, value: SetValue) -> SetValue:
+    """Under control the set position is that of the set value before."""
+    before, booster.tally = booster.tally, value.position_inc
+    return value._replace(position_inc=before) if booster.axis.state is State.ENABLED else value
+
+
+def twice(booster: Booster, frame: Frame) -> Sequence[Frame]:
+    return [frame, frame] if booster.axis.state is State.ENABLED and frame.identifier == codec().actual_id(1) else [frame]
+
+
+def jumps_back(booster: Booster, value: SetValue) -> SetValue:
+    """A set position that jumps back is gone to."""
+    at = max(value.position_inc, booster.tally - CREEP) if booster.axis.state is State.ENABLED else value.position_inc
+    booster.tally = at
+    return value._replace(position_inc=at)
+
+
 def enable_edge(booster: Booster, value: SetValue) -> SetValue:
     """Enable counts by its edge, with power on."""
     if not value.enable:

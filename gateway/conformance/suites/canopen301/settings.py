@@ -22,7 +22,8 @@ FORGETS = Purposes[NodeTester](
 )
 SHEET = Purposes[NodeTester]("CO301_DIC", "server", "CiA 301, table 22", condition=("eds",), preamble=(BASIC, WRITE))
 SERVER = Purposes[NodeTester]("CO301_DIC", "server", "CiA 301, 7.5.2.33", preamble=(BASIC,))
-MAP, SYNC, OTHER_SYNC = 0x1A00, (0x1005, 0), 0x6B4
+MAP, SYNC, TIME, OTHER_SYNC = 0x1A00, (0x1005, 0), (0x1012, 0), 0x6B4
+PDOS = 8  # TPDOs that are looked at
 Look = tuple[int, list[int]]  # transmission type and mapping of TPDO 1
 
 
@@ -138,6 +139,32 @@ def own_server(t: NodeTester) -> None:
             raise Fail(f"1200h:{sub:02X} is {got:X}h", f"{wanted:X}h, on which it is asked or answers", f"{got:X}h")
     if not found:
         raise NotApplicable("there is no 1200h")
+
+
+@SERVER.case(
+    "BV_08",
+    "what it sends has identifiers of its own: none of them is that of SYNC, TIME or NMT, no two are the same",
+    "was es sendet, hat eigene Kennungen: keine ist die von SYNC, TIME oder NMT, keine zwei sind gleich",
+    clause="CiA 301, 7.3.5",
+)
+def own_identifiers(t: NodeTester) -> None:
+    """Of a PDO or an emergency that is valid."""
+    taken = {0: "NMT"}
+    for key, name in ((SYNC, "SYNC"), (TIME, "TIME")):
+        if t.exists(key):
+            taken.setdefault(t.number(key) & cobid.ID_BITS, f"{name} ({named(key)})")
+    for key in ((0x1014, 0), *((TX + number, 1) for number in range(PDOS))):
+        if not t.exists(key) or (word := t.number(key)) & cobid.INVALID:
+            continue
+        identifier = word & cobid.ID_BITS
+        other = taken.get(identifier)
+        if other is not None:
+            raise Fail(f"{named(key)} has the identifier of {other}: {identifier:03X}h", "an identifier of its own", f"{word:08X}h")
+        if cobid.sdo_answer(t.setup.node) == identifier or cobid.heartbeat(t.setup.node) == identifier:
+            raise Fail(
+                f"{named(key)} has the identifier of SDO or heartbeat: {identifier:03X}h", "an identifier of its own", f"{word:08X}h"
+            )
+        taken[identifier] = named(key)
 
 
 @SHEET.case(

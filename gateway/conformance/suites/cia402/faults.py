@@ -57,6 +57,7 @@ WATCHES = ("consumer", "abort_option")
 FAULTS = ("fault_cause",)  # the tester can bring the drive into fault: by a lost master, or by a following error
 MASTER, TIME_MS = 126, 100
 CONSUMER = (0x1016, 1)
+PERIOD, MILLI = ((0x60C2, 1), (0x60C2, 2)), -3
 
 
 def watched_ms(t: NodeTester) -> int:
@@ -277,21 +278,28 @@ def following(t: NodeTester) -> None:
             )
 
 
+def in_ms(t: NodeTester, period: int) -> None:
+    """60C2h; a drive may have a fixed unit."""
+    if t.number(PERIOD[1], signed=True) != MILLI:
+        t.download(PERIOD[1], MILLI, 1)
+    t.download(PERIOD[0], period, 1)
+
+
 @contextmanager
-def cyclic(t: NodeTester) -> Iterator[None]:
-    """CSP at the tester's SYNC period, holding its position."""
+def cyclic(t: NodeTester, cycle: Ns = 0) -> Iterator[None]:
+    """CSP at the tester's SYNC period, or one that is stated, holding its position."""
     with t.given():
         begin = t.now()
         t.download(TARGET, position(t), 4)
         took = t.now() - begin
-    t.period = max(t.setup.cycle, took)  # a set value and a look at the drive fit into one cycle, however slow its SDOs are
-    period = min(max(math.ceil(t.period / 1_000_000), 1), 255)
+    wanted = cycle or max(t.setup.cycle, took)  # a set value and a look at the drive fit into one cycle, however slow its SDOs are
+    period = min(max(math.ceil(wanted / 1_000_000), 1), 255)
     t.period = ms(period)
-    keys = [key for key, there in (((0x60C2, 1), "period"), ((0x60C2, 2), "period")) if t.setup.pics.get(there)]
+    keys = PERIOD if t.setup.pics.get("period") else ()
     with t.kept(*keys, TARGET):
         with t.given():
-            for key, value in zip(keys, (period, -3), strict=False):
-                t.download(key, value, 1)
+            if keys:
+                in_ms(t, period)
             t.download(TARGET, position(t), 4)
         with t.operational(), brought_to(t, ENABLED, CSP):
             t.on_grid(3)

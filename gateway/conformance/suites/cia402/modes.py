@@ -27,6 +27,7 @@ from gateway.conformance.suites.cia402.drive import (
     plan,
     position,
     speed,
+    state_of,
     status,
     there,
     until,
@@ -43,6 +44,7 @@ BASIC = "CIA402_PWR_BV_01"
 MOD = Purposes[NodeTester]("CIA402_MOD", "drive", "CiA 402-2, modes of operation", condition=("modes",), preamble=(BASIC,))
 OFFERED = {1: 0, 2: 1, 3: 2, 4: 3, 6: 5, 7: 6, 8: 7, 9: 8, 10: 9}  # mode: bit of 6502h
 METHOD, OFFSET = (0x6098, 0), (0x607C, 0)
+INDEX = 34  # homing method
 
 
 def shown_mode(t: NodeTester, wanted: int) -> int:
@@ -268,6 +270,29 @@ def no_method(t: NodeTester) -> None:
         until(t, lambda: bool(status(t) & BIT13), "homing error (bit 13)", ms(3000))
 
 
+@HOM.case(
+    "BO_03",
+    "without bit 4 homing does not start",
+    "ohne Bit 4 beginnt kein Referenzieren",
+    preamble=(*POWER, "CIA402_HOM_BV_01"),
+)
+def not_started(t: NodeTester) -> None:
+    """On the spot with another offset, and to the index: neither position nor motion changes."""
+    offsets = there(t, OFFSET)
+    for method in (_here(t), INDEX) if t.setup.pics.get("homing_moves") else (_here(t),):
+        with t.kept(*offsets):
+            with t.given():
+                before = position(t)
+                for key in offsets:
+                    t.download(key, before + plan(t)[1], 4)
+            with homing(t, method):
+                for _ in range(3):
+                    t.pause(ms(100))
+                    if abs((got := position(t)) - before) > max(plan(t)[1] // 100, 20) or not at_standstill(t):
+                        raise Fail(f"homing by method {method} starts without bit 4: 6064h is {got}", f"{before}, standstill", str(got))
+                    control(t, 0x0F)
+
+
 # ---- cyclic synchronous position
 CYC = Purposes[NodeTester](
     "CIA402_CSP", "drive", "CiA 402-2, cyclic synchronous position", condition=("csp", "sync", "may_move"), preamble=POWER
@@ -290,6 +315,8 @@ def follows(t: NodeTester) -> None:
         _follow(t, start, way)
         t.on_grid(40)
         allowed = max(way // 20, 50)
+        if state_of(word := status(t)) != ENABLED:
+            raise Fail(f"operation enabled ends while it follows SYNC: {named(word)}", "operation enabled", named(word))
         if abs((got := position(t)) - start - way) > allowed:
             raise Fail(f"it is at {got} after {CYCLES} set values", f"{start + way} +- {allowed}", str(got))
 

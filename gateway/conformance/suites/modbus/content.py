@@ -5,7 +5,7 @@ import struct
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from gateway.conformance.suites.modbus.tester import ModbusTester
+from gateway.conformance.suites.modbus.tester import ModbusTester, amount
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, NotApplicable, Warn
 
@@ -82,6 +82,7 @@ def _collect(prefix: str) -> Purposes[ModbusTester]:
     _coils(p, prefix, basic)
     _fill_bits(p, (basic, f"{prefix}_CON_BV_05"))
     _tables(p)
+    _kept_apart(p, prefix, basic)
     return p
 
 
@@ -112,8 +113,8 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
         with kept(t, 3, at, count):
             for size in sorted({1, min(2, count), min(3, count), max(count - 1, 1), count}):
                 values = pattern(size)
-                t.echo(struct.pack(f">BHHB{size}H", 16, at, size, 2 * size, *values), 5, f"FC 16, {size} registers")
-                same_values(t.registers(3, at, size), values, f"{size} registers from {at}")
+                t.echo(struct.pack(f">BHHB{size}H", 16, at, size, 2 * size, *values), 5, f"FC 16, {amount(size, 'register')}")
+                same_values(t.registers(3, at, size), values, f"{amount(size, 'register')} from {at}")
 
     @p.case(
         "BV_17",
@@ -131,7 +132,7 @@ def _register_writes(p: Purposes[ModbusTester]) -> None:
             for offset in range(count):
                 same_values(t.registers(3, at + offset, 1), values[offset : offset + 1], f"register {at + offset} alone")
             if count > 2:
-                same_values(t.registers(3, at + 1, count - 1), values[1:], f"{count - 1} registers from {at + 1}")
+                same_values(t.registers(3, at + 1, count - 1), values[1:], f"{amount(count - 1, 'register')} from {at + 1}")
 
 
 def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
@@ -153,7 +154,7 @@ def _other_registers(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
             t.echo(struct.pack(">BHH", 6, at + middle, 0x5AC3), 5, "FC 6")
             wanted = pattern(count)
             wanted[middle] = 0x5AC3
-            same_values(t.registers(3, at, count), wanted, f"{count} registers after a write to {at + middle}")
+            same_values(t.registers(3, at, count), wanted, f"{amount(count, 'register')} after a write to {at + middle}")
 
     @p.case(
         "BV_19",
@@ -290,8 +291,8 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
                 bits = [1 if (at_bit * 7 + at_bit // 3) % 5 < 2 else 0 for at_bit in range(size)]
                 number = sum(bit << place for place, bit in enumerate(bits))
                 data = number.to_bytes((size + 7) // 8, "little")
-                t.echo(struct.pack(">BHHB", 15, at, size, len(data)) + data, 5, f"FC 15, {size} coils")
-                same_values(t.bits(1, at, size), bits, f"{size} coils from {at}")
+                t.echo(struct.pack(">BHHB", 15, at, size, len(data)) + data, 5, f"FC 15, {amount(size, 'coil')}")
+                same_values(t.bits(1, at, size), bits, f"{amount(size, 'coil')} from {at}")
             if count > 12:  # not at a byte boundary
                 first, bits = at + (2 if (at + 3) % 8 == 0 else 3), [1, 0] * 4 + [1]
                 number = sum(bit << place for place, bit in enumerate(bits))
@@ -315,13 +316,15 @@ def _coils(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
                 got = t.normal(struct.pack(">BHH", 1, at, size), "FC 1")
                 if got[2:] != ((1 << size) - 1).to_bytes((size + 7) // 8, "little"):
                     raise Fail(
-                        f"{size} coils that are on read as {got[2:].hex(' ').upper()}",
+                        f"{amount(size, 'coil')} set to on: FC 1 reads {got[2:].hex(' ').upper()}",
                         ((1 << size) - 1).to_bytes((size + 7) // 8, "little").hex(" ").upper(),
                         t.words(got),
                     )
             for off in range(count):
                 t.echo(struct.pack(">BHH", 5, at + off, 0), 5, "FC 5")
-                same_values(t.bits(1, at, count), [0] * (off + 1) + [1] * (count - off - 1), f"{count} coils after {at + off} went off")
+                same_values(
+                    t.bits(1, at, count), [0] * (off + 1) + [1] * (count - off - 1), f"{amount(count, 'coil')} after {at + off} went off"
+                )
 
 
 def _fill_bits(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
@@ -340,8 +343,8 @@ def _fill_bits(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
                 with t.given():
                     write_back(t, 1, at, [1] * count)
                 length = (size + 7) // 8
-                t.echo(struct.pack(">BHHB", 15, at, size, length) + bytes(length), 5, f"FC 15, {size} coils")
-                same_values(t.bits(1, at, count), [0] * size + [1] * (count - size), f"{count} coils after {size} were written")
+                t.echo(struct.pack(">BHHB", 15, at, size, length) + bytes(length), 5, f"FC 15, {amount(size, 'coil')}")
+                same_values(t.bits(1, at, count), [0] * size + [1] * (count - size), f"{amount(count, 'coil')} after a write of {size}")
 
 
 def _tables(p: Purposes[ModbusTester]) -> None:
@@ -375,6 +378,45 @@ def _tables(p: Purposes[ModbusTester]) -> None:
 
     apart(30, 3, 4, "holding and input registers", "Halte- und Eingangsregister", ("write_holding", "input_registers"))
     apart(31, 1, 2, "coils and discrete inputs", "Spulen und diskrete Eingänge", ("write_coils", "discrete_inputs"))
+
+
+def _kept_apart(p: Purposes[ModbusTester], prefix: str, basic: str) -> None:
+    @p.case(
+        "BV_32",
+        "a write of registers changes no coil, a write of coils no register",
+        "ein Schreiben von Registern ändert keine Spule, ein Schreiben von Spulen kein Register",
+        condition=("write_holding", "write_coils"),
+        preamble=(basic, f"{prefix}_CON_BV_06", f"{prefix}_CON_BV_05"),
+    )
+    def body(t: ModbusTester) -> None:
+        """Each function that writes, with all coils off and with all of them on."""
+        if t.setup.pics.get("mapped"):
+            raise NotApplicable("the PICS declares that these tables overlap")
+        holding, words = _run(t.setup.holding, t.setup.most(16, 20))
+        coils, bits = _run(t.setup.coils, t.setup.most(15, 20))
+        with kept(t, 3, holding, words), kept(t, 1, coils, bits):
+            for bit in (0, 1):
+                for function in (6, 16, 22, 23):
+                    if t.setup.pics.get(f"fc{function}"):
+                        with t.given():
+                            write_back(t, 1, coils, [bit] * bits)
+                            t.normal(_registers_by(function, holding, words, 0xA5C3 if bit else 0x5A3D), f"FC {function}")
+                        same_values(t.bits(1, coils, bits), [bit] * bits, f"{amount(bits, 'coil')} from {coils} after FC {function}")
+                with t.given():
+                    before = t.registers(3, holding, words)
+                    write_back(t, 1, coils, [1 - bit] * bits)
+                same_values(t.registers(3, holding, words), before, f"{amount(words, 'register')} from {holding} after a write of coils")
+
+
+def _registers_by(function: int, at: int, count: int, value: int) -> bytes:
+    """Values with ones and zeros, by one function; all registers where it can."""
+    values = struct.pack(f">{count}H", *[value ^ 0xFFFF * (offset & 1) for offset in range(count)])
+    return {
+        6: struct.pack(">BHH", 6, at, value),
+        16: struct.pack(">BHHB", 16, at, count, 2 * count) + values,
+        22: struct.pack(">BHHH", 22, at, 0, value),
+        23: struct.pack(">BHHHHB", 23, at, 1, at, count, 2 * count) + values,
+    }[function]
 
 
 CON = _collect("MBTCP")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from gateway.conformance.suites.modbus.content import kept, pattern, same_values
-from gateway.conformance.suites.modbus.tester import ModbusTester
+from gateway.conformance.suites.modbus.tester import ModbusTester, amount
 from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 
@@ -192,8 +192,8 @@ def _largest(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
         at, count = _longest(t.setup.holding, t.setup.most(16, MOST_REGISTERS))
         with kept(t, 3, at, count):
             wanted = pattern(count)
-            t.echo(struct.pack(f">BHHB{count}H", 16, at, count, 2 * count, *wanted), 5, f"FC 16, {count} registers from {at}")
-            same_values(t.read(3, at, count), wanted, f"{count} registers from {at}")
+            t.echo(struct.pack(f">BHHB{count}H", 16, at, count, 2 * count, *wanted), 5, f"FC 16, {amount(count, 'register')} from {at}")
+            same_values(t.read(3, at, count), wanted, f"{amount(count, 'register')} from {at}")
 
     @p.case(
         "BV_02",
@@ -207,8 +207,8 @@ def _largest(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:
         with kept(t, 1, at, count):
             wanted = [int(number % 3 == 0 or number % 7 == 1) for number in range(count)]
             packed = bytes(sum(bit << place for place, bit in enumerate(wanted[start : start + 8])) for start in range(0, count, 8))
-            t.echo(struct.pack(">BHHB", 15, at, count, len(packed)) + packed, 5, f"FC 15, {count} coils from {at}")
-            same_values(t.read(1, at, count), wanted, f"{count} coils from {at}")
+            t.echo(struct.pack(">BHHB", 15, at, count, len(packed)) + packed, 5, f"FC 15, {amount(count, 'coil')} from {at}")
+            same_values(t.read(1, at, count), wanted, f"{amount(count, 'coil')} from {at}")
 
 
 def _another_client(p: Purposes[ModbusTester], first: tuple[str, ...]) -> None:

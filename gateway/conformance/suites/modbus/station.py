@@ -151,6 +151,29 @@ def damaged(t: ModbusTester) -> None:
 
 
 @STA.case(
+    "RC_01",
+    "after a damaged character, in a request or alone, the next request is answered",
+    "nach einem gestörten Zeichen, in einer Anfrage oder allein, wird die nächste Anfrage beantwortet",
+    clause="serial line guide V1.02, 2.5.1.1",
+)
+def serves_on(t: ModbusTester) -> None:
+    """The silence behind it ends the frame: what follows is a new one."""
+    function, at = next(iter(t.setup.base.items()), (3, 0))
+    pdu = struct.pack(">BHH", function, at, 1)
+    frame = t.frame(pdu)
+    for before, behind, what in ((frame[:3], frame[3:], "in a request"), (b"", b"", "alone")):
+        t.quiet()
+        if before:
+            t.send(before)
+        if not t.wire.spoil():
+            raise NotApplicable(f"{t.wire.name} cannot send a character with wrong parity")
+        if behind:
+            t.send(behind)
+        if not t.ask(pdu):  # after 60 ms of silence
+            raise Fail(f"after a damaged character {what} a request is not answered", "an answer", "silence")
+
+
+@STA.case(
     "TI_01",
     "an answer begins after 3.5 characters of silence: only they end the request",
     "eine Antwort beginnt nach 3,5 Zeichen Stille: erst sie beenden die Anfrage",

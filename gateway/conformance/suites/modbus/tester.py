@@ -32,6 +32,11 @@ def without_top_bit(pdu: bytes) -> bool:
     return len(pdu) == 2 and not pdu[0] & 0x80 and pdu[1] in EXCEPTIONS
 
 
+def amount(count: int, one: str) -> str:
+    """1 register, 2 registers."""
+    return f"{count} {one}" if count == 1 else f"{count} {one}s"
+
+
 CROSS = Particulars(cross="Modbus conformance test specification V3.0")
 TABLES = {1: "coils", 2: "discrete_inputs", 3: "holding_registers", 4: "input_registers"}
 MOST_FRAME = 600

@@ -182,6 +182,14 @@ def rest_of_damaged(t: LineTester) -> None:
 
 @RCV.case("BI_10", "BREAK inside a block: left without an answer", "BREAK im Block: ohne Antwort verlassen")
 def break_inside(t: LineTester) -> None:
+    wire = wire_block(b"UVW", t.profile.block_check)
+    t.connect()
+    t.say(wire[:1])
+    t.spoil(Damage.BREAK)
+    t.say(wire[1:])
+    if (got := t.answer(t.profile.char_delay + t.tolerance)) == Char.DLE:
+        t.fail("a block with a BREAK inside", got, "nothing, or NAK (15h)")
+    t.settle()
     t.connect()
     t.say(b"UV")
     t.spoil(Damage.BREAK)

@@ -9,6 +9,7 @@ from gateway.conformance.suites.rk512.telegrams import (
     DB,
     FETCH,
     SEND,
+    NoReaction,
     ask,
     db_of,
     fetch,
@@ -73,8 +74,8 @@ def _may_be_silent(number: int) -> Iterator[None]:
     """What begins neither with 00 nor with FF may be taken for no command at all: its silence is WARN (AX-1781)."""
     try:
         yield
-    except Fail as failed:
-        if number == FOREIGN and failed.got == "nothing":
+    except NoReaction as failed:
+        if number == FOREIGN:
             raise Warn("not answered; other makers refuse it with 10h", "10h: header error", failed.got) from failed
         raise
 

@@ -100,6 +100,10 @@ def ask(t: LineTester, telegram: bytes, judge_link: bool = False) -> Reaction:
     return reaction(t, judge_link)
 
 
+class NoReaction(Fail):
+    """Nothing, or blocks of its own only."""
+
+
 def reaction(t: LineTester, judge_link: bool = True) -> Reaction:
     """The reaction that is due; other blocks are served and named."""
     foreign: list[bytes] = []
@@ -119,7 +123,7 @@ def reaction(t: LineTester, judge_link: bool = True) -> Reaction:
             serve_command(t, block.data)
         foreign.append(block.data)
     said = "; ".join(block[:12].hex(" ").upper() for block in foreign) or "nothing"
-    raise Fail(
+    raise NoReaction(
         f"no reaction telegram within {t.setup.reaction_wait / 1e9:.1f} s; the station said: {said}",
         "a reaction: 00 or FF, 00 00, error number",
         said,

@@ -2,7 +2,7 @@
 
 from gateway.conformance.suites.servodyn.booster import BoosterTester, words
 from gateway.conformance.suites.servodyn.cycle import BASIC, REST
-from gateway.conformance.suites.servodyn.power import CONTROL, ON
+from gateway.conformance.suites.servodyn.power import CLOSES, CONTROL, ON
 from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Fail, Warn
 from protocols.base.machine import ms
@@ -77,13 +77,14 @@ def life_lost(t: BoosterTester) -> None:
     preamble=(BASIC, REST, ON, CONTROL),
 )
 def jump(t: BoosterTester) -> None:
-    with t.powered(True):
-        before = t.turn().position_inc
-        t.give(position_inc=before + JUMP)
-        found = t.turn(20)
-        if abs(found.position_inc - before) > JUMP // 4:
-            raise Fail(f"it moves from {before} to {found.position_inc}", "a fault, no motion", words(found))
-        coded(found, SET_JUMP, f"a set position that jumps by {JUMP}")
+    for way in (JUMP, -JUMP):
+        with t.powered(True):
+            before = t.turn().position_inc
+            t.give(position_inc=before + way)
+            found = t.turn(20)
+            if abs(found.position_inc - before) > JUMP // 4:
+                raise Fail(f"it moves from {before} to {found.position_inc}", "a fault, no motion", words(found))
+            coded(found, SET_JUMP, f"a set position that jumps by {way}")
 
 
 @FLT.case("BV_04", "the edge of fault reset ends the fault", "die Flanke von Fehler-Reset wirkt", preamble=(BASIC, REST, ON, LOST))
@@ -106,7 +107,7 @@ def stays(t: BoosterTester) -> None:
         t.stays(lambda actual: actual.fault and not actual.power_on, "fault, no power", ms(500))
         t.stays(lambda actual: actual.fault_code == first.fault_code, f"fault code {first.fault_code} until reset", ms(100))
         t.give(drive_on=False)
-        t.stays(lambda actual: actual.fault, "fault, drive on taken back", ms(300))
+        t.stays(lambda actual: actual.fault, "fault, drive on dropped", ms(300))
         t.give(drive_on=True, enable=True)
         t.stays(lambda actual: actual.fault and not actual.power_on, "fault, drive on again", ms(1000))
 
@@ -181,7 +182,7 @@ def idle_sync(t: BoosterTester) -> None:
     "BV_05",
     "under control a lost SYNC stops it: control ends, the brake closes",
     "unter Regelung hält ihn ein ausgebliebener SYNC an: Regelung aus, Bremse zu",
-    preamble=(BASIC, REST, ON, CONTROL, LOST),
+    preamble=(BASIC, REST, ON, CONTROL, CLOSES, LOST),
 )
 def stops(t: BoosterTester) -> None:
     with t.powered(True):

@@ -9,6 +9,7 @@ from protocols.servodyn.parameters import Status
 
 NEAR = 40  # increments at rest
 WIDE, STRIDE = 34_000, 40  # increments: beyond 16 bits with a sign, and of one cycle
+EACH = 50  # SYNCs
 FOLLOWS, BACK = "SERVO_MOV_BV_01", "SERVO_MOV_BV_02"
 MOV = Purposes[BoosterTester]("SERVO_MOV", "booster", "AX-083", condition=("may_move",), preamble=(BASIC, REST, ON, CONTROL))
 PAR = Purposes[BoosterTester]("SERVO_PAR", "booster", "AX-266", condition=("parameters", "may_store"), preamble=(BASIC, REST))
@@ -88,6 +89,24 @@ def still(t: BoosterTester) -> None:
             found = t.turn()
             if abs(found.position_inc - wanted) > 2 * NEAR:
                 raise Fail(f"position {found.position_inc} at rest", f"{wanted}, within {2 * NEAR}", str(found.position_inc))
+
+
+@MOV.case(
+    "BV_13",
+    "under control each SYNC brings one actual value",
+    "unter Regelung bringt jeder SYNC einen Istwert",
+    clause="AX-001",
+)
+def one_each(t: BoosterTester) -> None:
+    with t.powered(True):
+        t.turn()
+        t.pause(t.setup.cycle // 2)
+        begin = len(t.heard)
+        t.turn(EACH)
+        t.pause(t.setup.cycle // 2)
+        count = sum(frame.identifier == t.actual_id for frame in t.heard[begin:])
+        if count != EACH:
+            raise Fail(f"{count} actual values after {EACH} SYNCs under control", str(EACH), str(count))
 
 
 @MOV.case(

@@ -110,6 +110,39 @@ def waits(t: BoosterTester) -> None:
             )
 
 
+@PHASE.case(
+    "BV_12",
+    "a set value acts with the next SYNC, not with the one after it",
+    "ein Sollwert wirkt mit dem nächsten SYNC, nicht mit dem übernächsten",
+    beside=Particulars(limits="a twentieth of the step at the second SYNC"),
+)
+def acts(t: BoosterTester) -> None:
+    """The first SYNC after the set value activates it, the second one latches what it did."""
+    way = _nudge(t)
+    with t.powered(True):
+        start = t.value.position_inc
+        for goal in (start + way, start):
+            t.turn(20)
+            before = t.turn(with_set=False).position_inc
+            t.give(position_inc=goal)  # by the set value, then by two SYNCs
+            t.say_set()
+            t.sync()
+            activated = t.asked_at
+            t.answered()
+            t.say_set()
+            t.pause(activated + t.setup.cycle * 17 // 10 - t.now())
+            t.sync()
+            found = t.answered()
+            t.say_set()
+            t.turn(20)
+            if (found.position_inc - before) * (goal - before) < abs(goal - before) * way // 20:
+                raise Fail(
+                    f"it is at {found.position_inc} at the second SYNC after the set value {goal}",
+                    f"on the way from {before}",
+                    words(found),
+                )
+
+
 @PHASE.case("BV_09", "of two set values between two SYNCs the last one counts", "von zwei Sollwerten zwischen zwei SYNC zählt der letzte")
 def last_one(t: BoosterTester) -> None:
     way = _nudge(t)

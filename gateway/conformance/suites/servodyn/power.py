@@ -6,7 +6,7 @@ from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Fail
 from protocols.base.machine import ms
 
-ON, CONTROL, OFF = "SERVO_PWR_BV_01", "SERVO_PWR_BV_02", "SERVO_PWR_BV_04"
+ON, CONTROL, CLOSES, OFF = (f"SERVO_PWR_BV_0{number}" for number in range(1, 5))
 PWR = Purposes[BoosterTester]("SERVO_PWR", "booster", "AX-080", condition=("may_move",), preamble=(BASIC, REST))
 SUP = Purposes[BoosterTester]("SERVO_SUP", "booster", "AX-080", condition=("power", "may_move"), preamble=(BASIC, REST, ON))
 LIMIT = Particulars(limits="within 8 s")
@@ -36,8 +36,8 @@ def control(t: BoosterTester) -> None:
 
 @PWR.case(
     "BV_03",
-    "enable taken back: brake closed, power stays",
-    "Freigabe weg: Bremse zu, Leistung bleibt",
+    "when enable drops, the brake closes and power stays on",
+    "fällt die Freigabe weg, schließt die Bremse, und die Leistung bleibt ein",
     preamble=(BASIC, REST, ON, CONTROL),
 )
 def control_gone(t: BoosterTester) -> None:
@@ -48,7 +48,7 @@ def control_gone(t: BoosterTester) -> None:
         t.stays(lambda actual: actual.power_on and not actual.enabled and not actual.fault, "power without control")
 
 
-@PWR.case("BV_04", "drive on taken back: no power", "Antrieb Ein weg: keine Leistung", preamble=(BASIC, REST, ON))
+@PWR.case("BV_04", "when drive on drops, power goes off", "fällt Antrieb Ein weg, geht die Leistung aus", preamble=(BASIC, REST, ON))
 def power_gone(t: BoosterTester) -> None:
     with t.powered():
         t.give(drive_on=False)
@@ -58,19 +58,19 @@ def power_gone(t: BoosterTester) -> None:
 
 @PWR.case(
     "BV_05",
-    "drive on taken back under control: it stops, closes the brake, then no power",
-    "Antrieb Ein weg unter Regelung: er hält, schließt die Bremse, dann keine Leistung",
-    preamble=(BASIC, REST, ON, CONTROL),
+    "when drive on drops under control, the booster stops, closes the brake, then switches power off",
+    "fällt Antrieb Ein unter Regelung weg, hält er an, schließt die Bremse und schaltet die Leistung aus",
+    preamble=(BASIC, REST, ON, CONTROL, CLOSES),
 )
 def power_gone_enabled(t: BoosterTester) -> None:
     with t.powered(True):
         t.give(drive_on=False)
         found = t.until(lambda actual: not actual.power_on, "no power", ms(5000))
         if found.brake_open or found.enabled or found.fault:
-            raise Fail(f"after drive on was taken back: {words(found)}", "no power, brake closed, no fault", words(found))
+            raise Fail(f"after drive on dropped: {words(found)}", "no power, brake closed, no fault", words(found))
 
 
-@PWR.case("BI_01", "enable without drive on does nothing", "Freigabe ohne Antrieb Ein bewirkt nichts", preamble=(BASIC, REST))
+@PWR.case("BI_01", "enable without drive on does nothing", "Freigabe ohne Antrieb Ein bewirkt nichts", preamble=(BASIC, REST, CLOSES))
 def no_drive_on(t: BoosterTester) -> None:
     t.rest()
     t.give(enable=True)
@@ -81,7 +81,7 @@ def no_drive_on(t: BoosterTester) -> None:
     "BI_02",
     "the brake request alone does not open the brake without power",
     "die Bremsanforderung allein öffnet die Bremse ohne Leistung nicht",
-    preamble=(BASIC, REST),
+    preamble=(BASIC, REST, CLOSES),
 )
 def brake_request(t: BoosterTester) -> None:
     t.rest()
@@ -108,13 +108,13 @@ def not_by_itself(t: BoosterTester) -> None:
         for _ in range(5):
             t.sync()
             t.drain()
-            heard = t.hear((t.actual_id,), t.setup.cycle // 2)
+            heard = t.hear((t.actual_id,), t.limit)
             if heard is not None:
                 raise Fail("it sends without supply", "nothing", words(t.read(heard)))
         t.power.turn(True)
         until = t.now() + max(t.setup.boot, t.power.back)
         t.sync()
-        while t.hear((t.actual_id,), t.setup.cycle // 2) is None:
+        while t.hear((t.actual_id,), t.limit) is None:
             if t.now() > until:
                 raise Fail("no actual value after power-on", "an actual value", "nothing")
             t.say_set()

@@ -7,12 +7,12 @@ from gateway.conformance.suites.servodyn.cycle import BASIC, REST
 from gateway.conformance.suites.servodyn.faults import JUMP, LIFE_LOST, LOST, RESET, coded, faulted, lose_sync
 from gateway.conformance.suites.servodyn.motion import FOLLOWS, NEAR
 from gateway.conformance.suites.servodyn.phase import RUN, advance, paced, step_of
-from gateway.conformance.suites.servodyn.power import CONTROL, ON
+from gateway.conformance.suites.servodyn.power import CLOSES, CONTROL, ON
 from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Fail
 from protocols.base.machine import ms
 
-MOVING = (BASIC, REST, ON, CONTROL, FOLLOWS)
+MOVING = (BASIC, REST, ON, CONTROL, CLOSES, FOLLOWS)
 FLT = Purposes[BoosterTester]("SERVO_FLT", "booster", "AX-081", condition=("may_move",), preamble=(BASIC, REST, ON, LOST))
 RUNS = Purposes[BoosterTester]("SERVO_FLT", "booster", "AX-081, AX-082", condition=("may_move",), preamble=(*MOVING, LOST))
 PWR = Purposes[BoosterTester]("SERVO_PWR", "booster", "AX-080", condition=("may_move",), preamble=MOVING)
@@ -92,20 +92,20 @@ def _stop(number: int, clear: str, summary: str, german: str) -> None:
             run_up(t)
             t.give(**{clear: False})
             t.say_set()
-            _judge_standstill(t, f"{clear.replace('_', ' ')} taken back in motion")
+            _judge_standstill(t, f"{clear.replace('_', ' ')} drops in motion")
 
 
 _stop(
     6,
     "enable",
-    "enable taken back in motion: it stops, then the brake closes",
-    "Freigabe in Bewegung weg: er hält, dann schließt die Bremse",
+    "when enable drops in motion, the booster stops and then closes the brake",
+    "fällt die Freigabe in Bewegung weg, hält er an und schließt dann die Bremse",
 )
 _stop(
     7,
     "drive_on",
-    "drive on taken back in motion: it stops, then the brake closes",
-    "Antrieb Ein in Bewegung weg: er hält, dann schließt die Bremse",
+    "when drive on drops in motion, the booster stops and then closes the brake",
+    "fällt Antrieb Ein in Bewegung weg, hält er an und schließt dann die Bremse",
 )
 
 

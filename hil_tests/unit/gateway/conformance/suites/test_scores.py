@@ -6,6 +6,7 @@ from typing import cast
 
 import pytest
 
+from gateway.conformance.framework.run import ordered
 from gateway.conformance.peers.modbus_devices import Device
 from gateway.conformance.peers.score import fails, peers, play
 from gateway.conformance.peers.stations import Chatty, Mutant, Variant, link_of
@@ -52,6 +53,10 @@ def test_purposes_are_whole_data(name: str) -> None:
     for purpose in purposes:
         assert purpose.summary and purpose.summary_de and purpose.clause and purpose.role
         assert set(purpose.preamble) <= set(ids) - {purpose.id}
+    for seed in (None, 1):
+        placed = {purpose.id: at for at, purpose in enumerate(ordered(purposes, seed))}
+        early = [(purpose.id, before) for purpose in purposes for before in purpose.preamble if placed[before] > placed[purpose.id]]
+        assert len(placed) == len(ids) and early == []
 
 
 @pytest.mark.parametrize("kind, fails_are", [("silent", 1), ("empty-hangs", 1)])
