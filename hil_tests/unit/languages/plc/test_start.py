@@ -122,6 +122,17 @@ def test_a_load_of_commands_a_period() -> None:
     assert not Rig(text, settings=Settings(load=0)).runs
 
 
+@pytest.mark.parametrize("load", [1, 64, 70, 1000])
+def test_a_jump_over_many_commands_executes_none_of_them_at_any_load(load: int) -> None:
+    jumps, skipped = "U E0.0\n" * 69 + "SP L,1\n", "S A0.0\n" * 70
+    rig = Rig(f"{jumps}{skipped}M L\n= A0.1", settings=Settings(load=load))
+    assert rig.plc.watch("MAIN")
+    while not rig.plc.scans:
+        rig.scan("E0.0", ticks=0)
+    assert (rig.output("A0.0"), rig.output("A0.1")) == (False, True)
+    assert list(rig.plc.display()) == [*range(2, 72), 142, 143]
+
+
 @pytest.mark.requirement("RSV-PLC-05", by=PLC + "._fail")
 @pytest.mark.parametrize("load", [None, 20])
 def test_an_endless_loop_stops_the_plc_the_drives_and_the_outputs(load: int | None) -> None:
