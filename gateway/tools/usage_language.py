@@ -49,6 +49,11 @@ def baps2_text(sentence: str) -> str:
     return spoken(*RHO3).german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
 
 
+def card_text(sentence: str) -> str:
+    """A sentence about a flash card, in the user's language."""
+    return spoken("val3-import").german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
+
+
 def fault_text(fault: SourceFault, said: Callable[[str], str] = report_text) -> str:
     """A fault of a program with its place and id, in the user's language.  `said`: knows the German of its controller."""
     if _language() != "de":

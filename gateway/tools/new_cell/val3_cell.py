@@ -122,7 +122,7 @@ def port_words(row: CardChannel) -> str:
     """What only the machine shows."""
     if row.kind == "serial":
         return "name its port in address; /dev/ttyS0 and so on are assumed"
-    return "" if row.port else "sio.cfx has no port for it; set port"
+    return "" if row.with_port else "sio.cfx has no port for it; set port"
 
 
 def _head(parts: Parts) -> str:

@@ -14,6 +14,7 @@ from gateway.pure.languages.val3.xmltree import Element, XmlFault, parse_xml
 LAST_TAG = re.compile(rb"<(\w+)>\s*\Z")  # some cards end with <sio> in place of </sio>
 PARITIES, FLOWS = ("none", "even", "odd"), ("none", "hardware")
 UNLIMITED = 9_999.0  # a joint of +-99999 has no limit of its own
+PORT = ("portNumber", "port", "portNo", "localPort")
 LONGEST = 16 << 20
 
 
@@ -30,6 +31,7 @@ class CardChannel:
     end_of_string: int = 13
     timeout_s: float = 0.0
     nagle: bool = True
+    with_port: bool = False  # sio.cfx has one, whether it is right or not
     baud_rate: int = 9600
     bits: int = 8
     parity: str = "none"
@@ -135,11 +137,11 @@ def _serial(card: Card, row: Element, values: Mapping[str, str]) -> CardChannel:
         values.get("desc", ""),
         end_of_string=_end(card, where, values),
         timeout_s=_timeout(card, where, values),
-        baud_rate=_whole(card, where, values, ("baudrate",), 9600, 50, 4_000_000),
-        bits=_whole(card, where, values, ("bytesize", "bits"), 8, 5, 8),
+        baud_rate=_whole(card, where, values, ("baudRate",), 9600, 50, 4_000_000),
+        bits=_whole(card, where, values, ("byteSize", "bits"), 8, 5, 8),
         parity=_word(card, where, values, ("parity",), PARITIES),
-        stop_bits=_whole(card, where, values, ("nbstopbit", "stopbits"), 1, 1, 2),
-        flow_control=_word(card, where, values, ("flowcontrol",), FLOWS),
+        stop_bits=_whole(card, where, values, ("nbStopBit", "stopBits"), 1, 1, 2),
+        flow_control=_word(card, where, values, ("flowControl",), FLOWS),
     )
 
 
@@ -154,16 +156,17 @@ def _socket(card: Card, row: Element, values: Mapping[str, str]) -> CardChannel:
         kind,
         values.get("desc", ""),
         address,
-        _whole(card, where, values, ("portnumber", "port", "portno", "localport"), 0, 1, 65535),
-        _whole(card, where, values, ("nbclients", "maxclients", "clients", "nbclient", "maxconnections"), 1, 1, 64),
+        _whole(card, where, values, PORT, 0, 1, 65535),
+        _whole(card, where, values, ("nbClients", "maxClients", "clients", "nbClient", "maxConnections"), 1, 1, 64),
         _end(card, where, values),
         _timeout(card, where, values),
         values.get("nagle", "true").lower() != "false",
+        with_port=any(each.lower() in values for each in PORT),
     )
 
 
 def _end(card: Card, where: str, values: Mapping[str, str]) -> int:
-    return _whole(card, where, values, ("endofstring",), 13, 0, 255)
+    return _whole(card, where, values, ("endOfString",), 13, 0, 255)
 
 
 def _timeout(card: Card, where: str, values: Mapping[str, str]) -> float:
@@ -176,18 +179,19 @@ def _timeout(card: Card, where: str, values: Mapping[str, str]) -> float:
 
 
 def _whole(card: Card, where: str, values: Mapping[str, str], names: Iterable[str], default: int, low: int, high: int) -> int:
-    name = next((each for each in names if each in values), None)
+    name = next((each for each in names if each.lower() in values), None)
     if name is None:
         return default
-    value = _number(values[name])
+    text = values[name.lower()]
+    value = _number(text)
     if value is None or value != int(value) or not low <= value <= high:
-        card.doubts.append(f"{where}: {name} {values[name]!r} is no whole number {low}..{high}; {default} is taken")
+        card.doubts.append(f"{where}: {name} {text!r} is no whole number {low}..{high}; {default} is taken")
         return default
     return int(value)
 
 
 def _word(card: Card, where: str, values: Mapping[str, str], names: Iterable[str], known: tuple[str, ...]) -> str:
-    text = next((values[each] for each in names if each in values), known[0])
+    text = next((values[each.lower()] for each in names if each.lower() in values), known[0])
     if text.lower() in known:
         return text.lower()
     card.doubts.append(f"{where}: {text!r} is none of {', '.join(known)}; {known[0]} is taken")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from gateway.pure.languages.val3.model import Application, Declaration
 
+GRIPPER = "valve1"  # output of a tool that has none of its own (L4923)
 OUTPUTS = ("%q", "valve", "fout", "bout", "usrout", "vreg")
 INPUTS = ("%i", "fin", "bin", "usrin")
 NAMED_OUTPUT = re.compile(r"[da]o(?![a-z])|[DA]O", re.ASCII)  # doLamp, do_lamp, DO1, not door
@@ -38,8 +39,9 @@ def links_of_files(applications: Iterable[Application]) -> tuple[list[Link], lis
                         found.append(Link(link, is_output(link, inner.name, inner.name in named), inner.type_name == "aio", inner.name))
                     elif inner.type_name == "sio" and link:
                         channels.append(link)
-                    elif inner.type_name == "tool" and value.attributes.get("ioLink"):
-                        found.append(Link(value.attributes["ioLink"], output=True, analog=False, variable=inner.name))
+                if inner.type_name == "tool":
+                    grippers = [value.attributes.get("ioLink") or GRIPPER for value in inner.values]
+                    found += [Link(each, output=True, analog=False, variable=inner.name) for each in grippers or [GRIPPER]]
     return found, list(dict.fromkeys(channels))
 
 

@@ -176,7 +176,7 @@ def test_links_of_all_kinds_get_one_point_each(tmp_path: pathlib.Path) -> None:
         ("sio.cfx", "<sio><socketSrv /></sio>", "sio.cfx line 2: <socketSrv> has no name and is left out"),
         ("sio.cfx", '<sio><modem><String name="name" value="m" /></modem></sio>', "<modem> is no serial line and no socket; m is left out"),
         ("sio.cfx", SIO.replace('value="even"', 'value="mark"'), "portSerial: 'mark' is none of none, even, odd; none is taken"),
-        ("sio.cfx", SIO.replace('"11000"', '"99999"'), "hmi: portnumber '99999' is no whole number 1..65535; 0 is taken"),
+        ("sio.cfx", SIO.replace('"11000"', '"99999"'), "hmi: portNumber '99999' is no whole number 1..65535; 0 is taken"),
         ("sio.cfx", SIO.replace('"5"', '"soon"'), "portSerial: timeOut 'soon' is no number; 0 is taken"),
     ],
 )
@@ -293,3 +293,23 @@ def test_what_a_program_writes_is_an_output(tmp_path: pathlib.Path) -> None:
     assert {each["name"] for each in points if each.get("output")} == {"gripper", "level", "line"}
     assert len(points) == len(names)
     assert [each.output for each in distinct([Link("A", False, False, "part"), Link("A", True, False, "doPart")])] == [True]
+
+
+def test_an_import_is_reported_in_german_and_names_a_wrong_port_once(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A tool without an output of its own has valve1 (L4923), so the cell needs its point."""
+    app = App("job", datum("tT", "tool") + datum("siX", "sio", values=value(link="Socket\\none")), {"start": "close(tT)"})
+    sio, out = SIO.replace('"11000"', '"70000"').replace('"even"', '"mark"'), tmp_path / "c.toml"
+    folder = card(tmp_path, app, sio_cfx=sio)
+    monkeypatch.setenv("LC_ALL", "de_DE.UTF-8")
+    assert main(["import", str(folder), "--out", str(out)]) == 0
+    said, doubts = capsys.readouterr()
+    assert said == f"{out} geschrieben, Anwendung job.  weiter: axisgate check {out}      dann: axisgate run {out} --sim\n"
+    assert doubts.splitlines() == [
+        "  sio.cfx Zeile 3, portSerial: 'mark' ist nicht bekannt (none, even, odd); none wird genommen",
+        "  sio.cfx Zeile 14, hmi: portNumber '70000' ist keine ganze Zahl 1..65535; 0 wird genommen",
+        "  Serial\\portSerial: die Schnittstelle in address nennen; angenommen sind /dev/ttyS0 und folgende",
+        "  Socket\\none: diesen Kanal hat sio.cfx nicht; ein [[val3.channel]] ergaenzen",
+    ]
+    assert 'name    = "valve1"' in out.read_text()
