@@ -40,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with users_language():
             return command(rest)
-    except KeyboardInterrupt:  # Ctrl-C where the command does nothing of its own about it
+    except KeyboardInterrupt:  # Ctrl-C that the command does not handle itself
         return INTERRUPTED
     except BrokenPipeError:  # `| head` has seen enough
         sys.stdout = open(os.devnull, "w")  # noqa: SIM115  nothing is flushed into the closed pipe at the end
@@ -48,7 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def version_line() -> str:
-    """What runs here, for a report of a fault."""
+    """Version of everything that runs here, for a fault report."""
     import platform
     from importlib.metadata import version
 

@@ -20,12 +20,12 @@ class Used(NamedTuple):
 
 
 def gateway_identifiers(gateway: int) -> list[Used]:
-    """What the master of a CANopen bus sends."""
+    """Frames that the master of a CANopen bus sends."""
     return [Used(cobid.NMT, "NMT"), Used(cobid.SYNC, "SYNC of CANopen"), Used(cobid.heartbeat(gateway), "the gateway's heartbeat")]
 
 
 def node_identifiers(node: int, who: str, pdos: Iterable[Pdo]) -> list[Used]:
-    """What belongs to one node: services of the predefined connection set and its PDOs."""
+    """Identifiers of one node: services of the predefined connection set and its PDOs."""
     services = (
         (cobid.emcy(node), "EMCY"), (cobid.sdo_answer(node), "SDO answer"),
         (cobid.sdo_request(node), "SDO request"), (cobid.heartbeat(node), "heartbeat"),
@@ -54,7 +54,7 @@ def restricted(used: Iterable[Used]) -> list[str]:
 
 
 def dictionary_map_faults(dictionary: ObjectDictionary, node: int) -> list[str]:
-    """RPDO maps a DCF wants in the device: 6040h in two of them switches the drive off (can.md, p402)."""
+    """RPDO maps that a DCF sets in the device: 6040h in two of them switches the drive off (can.md, p402)."""
     pdos = []
     for number in range(1, 513):
         words = []

@@ -13,7 +13,7 @@ from drivers.drives.family import Actual, Demand, Event, Homing, Latched, Power
 from drivers.drives.held import HeldPosition
 
 LOST_AFTER = 2  # actual values missing in a row
-RESET_CYCLES = 5  # bit 7 is set so long for one edge of the demand: one lost telegram does not swallow it
+RESET_CYCLES = 5  # cycles bit 7 is set for one edge of the demand: one lost telegram does not hide it
 STILL_CYCLES, STILL_INC = 10, 2  # standstill: at most so many increments of motion over so many cycles
 PIPELINE = 4  # cycles from a controlword bit to a statusword that knows of it: burst, SYNC, TPDO, and one to spare (AX-304)
 
@@ -61,7 +61,7 @@ class Cia402Actual(NamedTuple):
 
 
 class Cia402Set(NamedTuple):
-    """What goes to the drive."""
+    """Data sent to the drive."""
 
     controlword: int = 0  # 6040h
     position_inc: int = 0  # 607Ah
@@ -154,12 +154,12 @@ class Cia402Drive:
 
     @property
     def homing(self) -> Homing:
-        """Of the last reference run, until the demand for it is gone."""
+        """Outcome of the last reference run, until its demand ends."""
         return self._homing
 
     @property
     def configured(self) -> bool:
-        """Speaks: the master has started it up."""
+        """The drive answers: the master has started it up."""
         return self._phase is not Phase.LOST
 
     @property
@@ -184,7 +184,7 @@ class Cia402Drive:
         self._place(demand)
         return Cia402Set(self._controlword(), self._held.inc, self._mode)
 
-    # ---- what comes in -----------------------------------------------------------------------------------------------
+    # ---- inputs ------------------------------------------------------------------------------------------------------
     def _note_edges(self, demand: Demand) -> None:
         rising = demand.on and not self._on_before
         self._on_before = demand.on
@@ -213,11 +213,11 @@ class Cia402Drive:
         self._state = state_of(actual.statusword)
 
     def _judge(self, actual: Cia402Actual, demand: Demand) -> None:
-        """Fault and loss first, then what the phase waits for."""
+        """Fault and loss first, then the condition of the phase."""
         self._cycles += 1
         faulty = self._state in (State.FAULT, State.REACTING)
         self.fault_code = actual.error if faulty else 0
-        if self._phase is Phase.LOST:  # one that is on was never asked to be, or no longer is
+        if self._phase is Phase.LOST:  # a drive that is on was never commanded on, or no longer is
             self._go(Phase.STOPPING if self._state in (State.ENABLED, State.QUICK_STOP) else Phase.OFF, Event.RETURNED)
         if faulty and self._phase is not Phase.FAULT:
             self._end_homing(done=False)
@@ -289,7 +289,7 @@ class Cia402Drive:
             self._return(actual)
 
     def _return(self, actual: Cia402Actual) -> None:
-        """From home, or from where it was given up, back to CSP."""
+        """From home, or from where the run was aborted, back to CSP."""
         if self._phase is Phase.AT_HOME:
             if self._cycles >= PIPELINE:  # CSP must not begin with a 607Ah from before the jump
                 self._back(homed=True)
@@ -312,7 +312,7 @@ class Cia402Drive:
         if self._homing is Homing.RUNNING:
             self._homing = Homing.DONE if done else Homing.FAILED
 
-    # ---- what goes out -----------------------------------------------------------------------------------------------
+    # ---- outputs -----------------------------------------------------------------------------------------------------
     def _go(self, phase: Phase, event: Event | None = None) -> None:
         if phase in (Phase.FAULT, Phase.LOST):
             self._asked = False
@@ -334,7 +334,7 @@ class Cia402Drive:
             self._held.follow(self.position_inc)
 
     def _controlword(self) -> int:
-        """The one image; nobody else writes 6040h."""
+        """The only place that builds 6040h."""
         if self._phase in ENABLED_PHASES:
             start = Bit.START_HOMING if self._phase in (Phase.START, Phase.HOMING, Phase.AT_HOME) else 0
             return Command.ENABLE.value | start

@@ -1,10 +1,10 @@
-"""Start-up of one CiA 402 node as a plan of steps: the executor carries each out and sends its answer back.  Pure.
+"""Start-up of one CiA 402 node as a plan of steps; the executor carries out each one and returns its answer.  Pure.
 
 Source: CiA 301, 7.5.2 (objects 1000h..1A00h), CiA 302-2 (boot-up order), IEC 61800-7-201 (605Ah..605Eh, 6007h); AX-305, AX-307.
 
     plan = boot(node)
     step = next(plan)
-    ...     step = plan.send(answer)        # StopIteration.value: Booted; BootRefused: what the node would not do, and the object
+    ...     step = plan.send(answer)        # StopIteration.value: Booted; BootRefused: the refused step and the object
 """
 
 from collections.abc import Generator, Iterable, Sequence
@@ -43,7 +43,7 @@ class BootRefused(Exception):
         self.key, self.dead = key, dead
 
 
-# ---- what is wanted --------------------------------------------------------------------------------------------------
+# ---- settings --------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class Parameter:
     sub: int
     data: bytes
     why: str
-    needed: bool = True  # False: a drive that does not have the object is taken all the same
+    needed: bool = True  # False: a drive without the object is accepted all the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,7 @@ class Pdo:
 
 
 class Loss(Enum):
-    """What the drive has to do when the gateway's heartbeat stays away (`stop_on_bus_loss`)."""
+    """Reaction of the drive when the gateway's heartbeat is missing (`stop_on_bus_loss`)."""
 
     QUICK_STOP = "quick_stop"
     COAST = "coast"
@@ -119,7 +119,7 @@ class NodePlan:
 
     @property
     def consumer_ms(self) -> int:
-        """After so long without our heartbeat the drive acts."""
+        """Time without our heartbeat after which the drive reacts."""
         return self.heartbeat_ms * self.missed
 
 
@@ -351,7 +351,7 @@ def _stop_options(plan: NodePlan, notes: list[str]) -> Generator[Step, Answer, d
 
 
 def runs_on(options: dict[str, int], loss: Loss) -> str:
-    """Why this drive would not stop as wanted when the heartbeat stays away; empty: it stops.  `options` by the names of OPTIONS."""
+    """Why this drive would not stop as required when the heartbeat is missing; empty: it stops.  `options` by the names of OPTIONS."""
     abort = options.get("abort connection")
     if abort is None:
         return "the drive does not report its reaction to a missing gateway heartbeat"

@@ -34,7 +34,7 @@ BOOT_UP = bytes((State.INITIALISING,))
 TPDO2, TPDO3, TPDO4 = cobid.tpdo(2, 0), cobid.tpdo(3, 0), cobid.tpdo(4, 0)
 NO_PROBES: Mapping[int, int] = {}
 STOP_CYCLES = 10  # cycles of quick stop to a node that seems lost: it may still receive
-MODE_EVERY = 8  # cycles between two RPDO2 of one node that does not show the wanted mode yet
+MODE_EVERY = 8  # cycles between two RPDO2 of a node that does not show the wanted mode yet
 
 _SET, _MODE = struct.Struct("<Hi"), struct.Struct("<b")
 _STATUS, _TORQUE, _INPUTS = struct.Struct("<Hi"), struct.Struct("<hi"), struct.Struct("<Ib")
@@ -113,7 +113,7 @@ class Cia402Family:
             self.release(node, found.mode or mode)
 
     def hold(self, node: int) -> None:
-        """No RPDO any more until it is configured again."""
+        """Send no RPDO until it is configured again."""
         found = self._nodes.get(node)
         if found is not None:
             _let_go(found)
@@ -155,7 +155,9 @@ class Cia402Family:
         return [Frame(node.mode_id, _MODE.pack(mode))]
 
     def hear(self, frame: Frame) -> Heard | None:
-        """The actual value of an axis; None: taken or put aside; raises DecodeError for what no drive or master of this bus sends."""
+        """The actual value of an axis; None: handled or put aside; raises DecodeError for a frame that no drive or master of this bus
+        sends.
+        """
         identifier, data = frame.identifier, frame.data
         node = self._status.get(identifier)
         if node is not None:

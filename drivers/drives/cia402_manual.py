@@ -21,7 +21,7 @@ Manual = Generator[Step, Answer, "Moved"]
 
 
 class ManualError(Exception):
-    """What the drive would not do, and the object."""
+    """The refused step, and the object."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,7 +50,7 @@ MOVES = {  # remark: number of the transition in the standard
     (State.SWITCHED_ON, Command.DISABLE_VOLTAGE): State.DISABLED,  # 10
     (State.ENABLED, Command.QUICK_STOP): State.QUICK_STOP,  # 11
     (State.QUICK_STOP, Command.DISABLE_VOLTAGE): State.DISABLED,  # 12
-    (State.FAULT, Command.RESET): State.DISABLED,  # 15; the drive wants to see bit 7 rise
+    (State.FAULT, Command.RESET): State.DISABLED,  # 15; the drive needs a rising edge of bit 7
 }
 _LOW = {status: next((state for mask, value, state in STATUS if status & mask == value), None) for status in range(0x80)}
 

@@ -70,7 +70,7 @@ GERMAN: Mapping[int, str] = {
     0xF001: "Bremsen",
     0xFF00: "herstellerspezifisch",
 }
-LOOK: Mapping[int, tuple[str, str]] = {  # what to look at: English, German
+LOOK: Mapping[int, tuple[str, str]] = {  # what to check: English, German
     0x2310: ("load, brake, acceleration", "Last, Bremse, Beschleunigung"),
     0x2350: ("load, brake, acceleration", "Last, Bremse, Beschleunigung"),
     0x3130: ("mains fuses and contactor", "Netzsicherungen und Schuetz"),

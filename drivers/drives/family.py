@@ -1,7 +1,7 @@
-"""What every family of drives is to the rest of the gateway: one object for each drive, one for each bus.
+"""Interface of every drive family to the rest of the gateway: one object per drive, one per bus.
 
-The core steps drives and sees neutral records only; the cycle sends what the bus' family makes of them and passes it what comes in.  Which
-bits, identifiers and frames that is, only the family knows (AX-300).
+The core steps the drives and sees neutral records only; the cycle sends the frames that the bus' family builds from them and passes it the
+received ones.  Only the family knows bits, identifiers and frames (AX-300).
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from protocols.base.machine import Frame, Ns
 
 
 class Power(Enum):
-    """What the rest of the gateway needs to know."""
+    """Power states as far as the rest of the gateway needs them."""
 
     OFF = 0
     SWITCHING_ON = 1
@@ -24,7 +24,7 @@ class Power(Enum):
 
 
 class Event(Enum):
-    """What happened in the last step."""
+    """An event of the last step."""
 
     ENABLED = auto()
     OFF = auto()
@@ -48,7 +48,7 @@ class Homing(Enum):
 
 
 class Demand(NamedTuple):
-    """What the cycle wants from a drive."""
+    """The cycle's demand on a drive."""
 
     on: bool = False  # counts by its rising edge, goes off by its level
     reset: bool = False  # rising edge
@@ -59,7 +59,7 @@ class Demand(NamedTuple):
 
 
 class Latched(NamedTuple):
-    """What a drive's own touch probe has caught so far: edges of each kind, and where the drive was at the last one."""
+    """Edges caught by a drive's own touch probe so far: number of each kind, and the position at the last one."""
 
     rises: int = 0
     rising_inc: int = 0
@@ -85,7 +85,7 @@ class Actual(Protocol):
 
 
 class SetRecord(Protocol):
-    """What goes to a drive for the next SYNC."""
+    """Data for a drive at the next SYNC."""
 
     @property
     def position_inc(self) -> int: ...

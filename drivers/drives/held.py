@@ -5,7 +5,7 @@ from drivers.drives.limits import fits_int32
 
 
 class HeldPosition:
-    """`inc` is what is sent.  `jump_inc`: the first demanded position has to be so close to the held one; `step_inc`: every later one."""
+    """`inc` is the value sent.  `jump_inc`: the first demanded position has to be so close to the held one; `step_inc`: every later one."""
 
     def __init__(self, jump_inc: int, step_inc: int) -> None:
         self.inc = 0

@@ -13,7 +13,7 @@ from protocols.canopen.nmt import Command, State
 PROFILE = 401
 ERROR_MODE, ERROR_VALUE, INTERRUPTS, RPDO1_MAP, TPDO1, CONSUMER, PRODUCER = 0x6206, 0x6207, 0x6005, 0x1600, 0x1800, 0x1016, 0x1017
 INPUTS_ONLY = 0xFF  # `Booted.mode` of a coupler whose outputs are not driven
-EVENT_MS = 100  # inputs are sent again so often though nothing has changed
+EVENT_MS = 100  # interval at which unchanged inputs are sent again
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,9 +26,9 @@ class CouplerPlan(NodePlan):
 
 
 def boot(plan: CouplerPlan) -> Plan:
-    """From whatever state to operational; `Booted.mode` is the length of RPDO1 in bytes as the coupler has it.  Raises BootRefused.
+    """From any state to operational; `Booted.mode` is the length of RPDO1 in bytes as the coupler has it.  Raises BootRefused.
 
-    A coupler that refuses what its outputs need (map, the watch over the gateway, error values) is started for its inputs alone.
+    A coupler that refuses the settings of its outputs (map, supervision of the gateway, error values) is started for its inputs alone.
     """
     notes: list[str] = []
     refused = ""

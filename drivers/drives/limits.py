@@ -1,4 +1,4 @@
-"""What fits into a set value, when lag is too much, and the booster's own software limits."""
+"""Limits: range of a set value, permitted lag, and the booster's own software limits."""
 
 import math
 from enum import Enum, auto
@@ -33,7 +33,7 @@ class LagState(Enum):
 
 
 class LagMonitor:
-    """Following error of one axis against warn and trip; any unit, all the same one.  A trip stays until clear()."""
+    """Following error of one axis against warn and trip, all in the same unit.  A trip stays until clear()."""
 
     __slots__ = ("_trip", "_warn", "state", "worst")
 

@@ -28,7 +28,7 @@ def master_identifiers(protocol: str) -> Mapping[int, str]:
 
 
 def device_identifiers(node: int) -> frozenset[int]:
-    """What only the CANopen device with this number sends."""
+    """Identifiers that only the CANopen device with this number sends."""
     pdos = {cobid.tpdo(number, node) for number in range(1, 5)}
     return frozenset(pdos | {cobid.emcy(node), cobid.sdo_answer(node), cobid.heartbeat(node)})
 
@@ -40,13 +40,13 @@ def heard_text(heard: Mapping[int, int], names: Mapping[int, str]) -> str:
 
 
 def masters_in(frames: Iterable[Frame], protocol: str) -> str:
-    """The sentence of what was listened to; empty: no master spoke."""
+    """Sentence about the masters found while listening; empty: no master was active."""
     names = master_identifiers(protocol)
     return heard_text(Counter(frame.identifier for frame in frames if frame.identifier in names), names)
 
 
 class OtherMaster:
-    """Who else speaks as a master on a bus that is in use: one sentence when it begins, one when it is over."""
+    """Detects another master on a bus in use: one sentence when it appears, one when it is gone."""
 
     def __init__(self, protocol: str) -> None:
         self.names = master_identifiers(protocol)

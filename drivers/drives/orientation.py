@@ -8,7 +8,7 @@ is one turn of the axis.  Gear factors whose decimals are m/n, and integer ones:
 from fractions import Fraction
 from typing import NamedTuple
 
-MOST_SEGMENTS = 60  # narrower than 6 degrees at the resolver nobody could set a cam
+MOST_SEGMENTS = 60  # a cam cannot be set within less than 6 degrees at the resolver
 
 
 class Orientation(NamedTuple):

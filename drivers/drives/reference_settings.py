@@ -39,7 +39,7 @@ class ReferenceSettings:
 
     @property
     def seek_inc_s(self) -> float:
-        """Towards the switch: P108; where it stops the axis P109, from which it has to come to rest before the limit (L3857)."""
+        """Speed towards the switch: P108; if the switch stops the axis P109, from which it must come to rest before the limit (L3857)."""
         return self.slow_inc_s if self.mode in STOPPING else self.speed_inc_s
 
 

@@ -117,7 +117,7 @@ class Referencing:
                 pass
 
     def _found(self, position_inc: int) -> None:
-        """The edge: which zero counts, and what the axis does next."""
+        """The edge: determine the zero, and the next motion of the axis."""
         settings = self._settings
         if settings.mode == 0:
             self._zero = self._next_zero(position_inc)

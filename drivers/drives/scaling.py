@@ -22,7 +22,7 @@ class Scaling:
     feed_per_turn: float = 2 * math.pi  # m or rad of the axis for one turn of the output
     direction: int = 1  # +1, -1: axis positive = increments rising, falling
     zero_inc: float = 0.0  # increments where the axis reads 0; referencing finds it
-    output: int = 0  # +1, -1: sign of what is sent; 0: as direction
+    output: int = 0  # +1, -1: sign of the output; 0: as direction
     inc_per_unit: float = field(init=False, repr=False, compare=False)  # increments for one m or rad, signed
     sent_per_unit: float = field(init=False, repr=False, compare=False)  # as it is sent: the other way where the output is reversed
     rpm_per_unit: float = field(init=False, repr=False, compare=False)  # rpm of the motor for 1 m/s or rad/s, signed
@@ -37,7 +37,7 @@ class Scaling:
             raise ScalingError(f"output {self.output} is neither 1 nor -1 nor 0 (as direction)")
         if not math.isfinite(self.zero_inc):
             raise ScalingError(f"zero_inc {self.zero_inc} is no number")
-        # Computed once: the cycle asks for them several times an axis
+        # Computed once: the cycle reads it several times per axis
         sent = self.output * self.direction or 1
         per_unit = self.direction * self.gear * self.inc_per_turn / self.feed_per_turn
         object.__setattr__(self, "inc_per_unit", per_unit)
@@ -45,7 +45,7 @@ class Scaling:
         object.__setattr__(self, "rpm_per_unit", 60.0 * self.direction * sent * self.gear / self.feed_per_turn)
 
     def to_inc(self, q: float) -> int:
-        """m or rad -> the nearest increment; not limited to int32 (the Drive refuses what does not fit)."""
+        """m or rad -> the nearest increment; not limited to int32 (the Drive refuses values out of range)."""
         return round(self.zero_inc + q * self.sent_per_unit)
 
     def to_si(self, inc: float) -> float:

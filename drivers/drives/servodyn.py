@@ -1,7 +1,7 @@
-"""Gateway's side of a SERVODYN-GC drive: what to send in each cycle so that it comes on, follows and goes off in order.
+"""Gateway's side of a SERVODYN-GC drive: the set value of each cycle for switching on, following and switching off in order.
 
-Source: AX-001 (telegrams), AX-105..110 (order of the bits, what is refused, what is lost).  Once per SYNC, after the
-actual values of that SYNC: Drive.step.  It never raises on a message of the drive.
+Source: AX-001 (telegrams), AX-105..110 (order of the bits, refusals, losses).  Once per SYNC, after the actual values of that SYNC:
+Drive.step.  It never raises on a message of the drive.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ __all__ = ["LOST_AFTER", "Demand", "Drive", "DriveSettings", "Event", "Phase", "
 
 LOST_AFTER = 2  # actual values missing in a row
 _new = tuple.__new__  # of a record without counting its fields again: once an axis and cycle
-RESET_CYCLES = 5  # the reset bit is set so long for one edge of the demand: one lost telegram does not swallow it
+RESET_CYCLES = 5  # cycles the reset bit is set for one edge of the demand: one lost telegram does not hide it
 
 
 class Phase(Enum):
@@ -34,7 +34,7 @@ class Phase(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One phase: what the rest sees, the bits sent, what ends it and where that leads."""
+    """One phase: the state shown outside, the bits sent, the condition that ends it and the next phase."""
 
     power: Power
     drive_on: bool = False
@@ -85,7 +85,7 @@ class Drive:
     def __init__(self, settings: DriveSettings | None = None) -> None:
         self._settings = settings or DriveSettings()
         self._phase = Phase.OFF
-        self._row = ROWS[Phase.OFF]  # of the present phase; kept, as the next two: they are asked for many times a cycle
+        self._row = ROWS[Phase.OFF]  # of the present phase; kept, as the next two: they are read many times a cycle
         self.power = Power.OFF  # seen from outside
         self.follows = False  # takes the demanded position
         self._cycles = 0  # in the present phase
@@ -117,7 +117,7 @@ class Drive:
         return Homing.NONE
 
     def idle(self) -> SetValue:
-        """Before the first SYNC: nothing asked for."""
+        """Before the first SYNC: no demand."""
         return SetValue()
 
     def step(self, actual: Actual | None, demand: Demand) -> SetValue:
@@ -174,7 +174,7 @@ class Drive:
             self._go(Phase.LOST, Event.LOST)
 
     def _judge(self, actual: ActualValue, demand: Demand) -> None:
-        """Fault and loss first, then demand, then what the phase waits for."""
+        """Fault and loss first, then demand, then the condition of the phase."""
         self.missing = 0
         self.position_inc, self.torque_permille = actual.position_inc, actual.torque_permille
         self.fault_code, self.warning = actual.fault_code, actual.warning

@@ -21,7 +21,7 @@ class DownloadState(Enum):
 
 
 class Cause(IntEnum):
-    """Why a parameter was not taken; the first three are what the drive answers."""
+    """Why a parameter was rejected; the first three are answers of the drive."""
 
     UNKNOWN = Status.UNKNOWN
     RANGE = Status.RANGE
@@ -95,7 +95,7 @@ class Download:
 
     def _judge(self, answer: Answer) -> None:
         if not self._left or self._attempts == 0 or answer.sequence != self._sequence or answer.number != self._left[0][0]:
-            return  # of an earlier attempt, or nobody's
+            return  # of an earlier attempt, or unknown
         number, value = self._left[0]
         if answer.status is not Status.TAKEN:
             self.error = download_error(Cause(answer.status), number)

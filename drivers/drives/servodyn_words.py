@@ -130,7 +130,7 @@ _LOST = Words(
 
 
 def fault(code: int) -> FaultRow:
-    """What a fault code means; a row for unknown ones, too."""
+    """Meaning of a fault code; returns a row for unknown ones, too."""
     return FAULTS.get(code, _UNKNOWN)
 
 
@@ -142,7 +142,7 @@ def sentence(code: int, language: str = "en") -> str:
 
 
 def diagnose(drive: Drive) -> Diagnosis:
-    """State, and while it is a fault its number, sentence and what to do."""
+    """State, and during a fault its number, sentence and remedy."""
     phase, code = drive.phase, drive.fault_code
     if phase is Phase.FAULT or code:
         row = fault(code)

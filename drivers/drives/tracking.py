@@ -17,7 +17,7 @@ WORDS: Mapping[int, tuple[str, str]] = {  # English, German
 
 
 class Tracking:
-    """One axis; any unit, all the same one.  A finding stays until clear()."""
+    """One axis, all values in the same unit.  A finding stays until clear()."""
 
     __slots__ = ("_last", "_settle", "_standstill", "_still", "lag", "number")
 

@@ -1,6 +1,6 @@
-"""What a port is: it moves bytes or frames and decides nothing.
+"""Interface of a port: it moves bytes or frames and decides nothing.
 
-A broken cable, a vanished adapter or a dead broker is a PortError; an empty port is an empty list.
+A broken cable, a missing adapter or a dead broker is a PortError; an empty port is an empty list.
 """
 
 import os
@@ -13,7 +13,7 @@ from protocols.base.machine import Damage, Frame, FrameFault, Ns
 
 
 class PortError(OSError):
-    """The port cannot be opened or is gone; the message names the port and what to do."""
+    """The port cannot be opened or is lost; the message names the port and the remedy."""
 
 
 class BytePort(Protocol):

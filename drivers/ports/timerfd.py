@@ -46,7 +46,7 @@ class Timer:
             os.read(self._fd, 8)
 
     def close(self) -> None:
-        """Give the descriptor back; twice does no harm."""
+        """Release the descriptor; a second call is harmless."""
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1

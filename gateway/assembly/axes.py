@@ -1,4 +1,4 @@
-"""From [[axis]] of a cell to what core, dispatcher and planner need: the one place where units of the file become SI."""
+"""Converts [[axis]] of a cell for core, dispatcher and planner: the only place where units of the file become SI."""
 
 from collections.abc import Mapping, Sequence
 from math import inf

@@ -81,7 +81,7 @@ def raw_inc(cell: Cell, axis: Axis, reading: float) -> int:
 
 
 def entry(cell: Cell, axis: Axis, reading: float, at: float, who: str) -> Entry:
-    """The line for: what reads `reading` now is `at`."""
+    """The line that sets the reading `reading` to `at`."""
     raw = raw_inc(cell, axis, reading)
     zero = raw - to_si(at, axis.unit) * scaling_of(axis).inc_per_unit
     old = zero_inc(cell, axis.name)

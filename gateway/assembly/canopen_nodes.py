@@ -65,7 +65,7 @@ def identity_of(dictionary: ObjectDictionary) -> Identity:
 
 
 def _file_parameters(dictionary: ObjectDictionary, node: int) -> list[Parameter]:
-    """Values a DCF wants in the device; what the start-up itself decides is left to it."""
+    """Values that a DCF sets in the device, without those that the start-up decides itself."""
     found = []
     for entry in dictionary:
         value: Value | None = entry.parameter_of(node)

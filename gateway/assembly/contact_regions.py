@@ -24,7 +24,7 @@ SHAPES = {
 
 
 def chips(cell: Cell) -> bool:
-    """Whether contacts hang on a gpiochip: they have a process of their own."""
+    """Whether contacts are on a gpiochip: those have a process of their own."""
     return any(io.device.type == "gpiochip" for io in cell.io)
 
 

@@ -72,7 +72,7 @@ class Parameters:
 
 @dataclass(frozen=True, slots=True)
 class ControllerPlan:
-    """What a control is made of."""
+    """Parts of a control."""
 
     cell: Cell
     controller: Controller
@@ -86,7 +86,7 @@ class ControllerPlan:
 def make_control(
     cell: Cell, owners: Mapping[int, int], sources: Mapping[str, int], dispatcher: CommandDispatcher, errors: ErrorList, now: Ns
 ) -> tuple[Control | None, list[str]]:
-    """The control of a cell and what its files have wrong, line by line; None where it has no [controller].
+    """The control of a cell and the faults of its files, line by line; None without [controller].
 
     `owners`: RC input byte -> number of its command source; `doors`: name -> number.  ValueError: `check` has refused it before.
     """
@@ -184,7 +184,7 @@ def robot_masks(cell: Cell) -> tuple[int, ...]:
 
     try:
         return tuple(mask_of(cell, machine) for machine in machines_of_cell(cell))
-    except MotionError:  # a robot that does not fit: its own check says so
+    except MotionError:  # a robot that does not fit: its own check reports it
         return ()
 
 
@@ -291,7 +291,7 @@ def _step(step: ProcessStep, axes: list[str]) -> Step:
 
 
 def reis_setup(cell: Cell, controller: Controller, sources: Mapping[str, int]) -> ReisSetup:
-    """A Reis: its axes, the command source its markers command for, and what its synchronism hangs on."""
+    """A Reis: its axes, the command source that its markers command, and the source of its synchronism."""
     references = {
         number: Reference(axis.home.position, round(axis.home.offset * 1000), -1 if axis.mechanics.direction == "-" else 1)
         for number, axis in enumerate(cell.axis, 1)

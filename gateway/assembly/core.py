@@ -1,4 +1,4 @@
-"""What a cell states of the core of its cycle, in SI."""
+"""Settings of a cell for the core of its cycle, in SI."""
 
 from gateway.assembly.alter import alter_of_cell
 from gateway.assembly.axis_signals import assumed_permits, rc_numbers
@@ -10,7 +10,7 @@ from gateway.pure.cycle.core_settings import CoreParts, CoreRules
 
 
 def core_rules(cell: Cell) -> CoreRules:
-    """RC numbers, assumed permits, what a lost service leaves running, step of the override."""
+    """RC numbers, assumed permits, reaction to lost services, step of the override."""
     finish = cell.cell.on_services_loss == "finish_move"
     return CoreRules(rc_numbers(cell), assumed_permits(cell), finish, cell.cell.override_step)
 

@@ -15,7 +15,7 @@ from gateway.runtime.regions import RegionWriter
 
 @dataclass(slots=True)
 class Encoder:
-    """A belt's measuring system on a bus: a count, low byte first, in a telegram of its own."""
+    """A belt's measuring system on a bus: a count, low byte first, in its own telegram."""
 
     belts: CoreBelts
     place: int
@@ -76,7 +76,7 @@ class BeltCounters:
 
 
 def belt_regions(belts: CoreBelts | None, fds: Mapping[str, int]) -> list[BeltOffsets | BeltCounters]:
-    """What others read of the belts, as far as the run has regions for it."""
+    """The belts' regions for other processes, if the run has them."""
     if belts is None:
         return []
     offsets = [BeltOffsets(belts, fds["belts"])] if "belts" in fds else []

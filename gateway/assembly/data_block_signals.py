@@ -10,7 +10,7 @@ from gateway.pure.image.signals import SignalList
 
 
 def parsed(block: Db, entry: Entry) -> object:
-    """Entries at `at`; an area has no number, its words are counted all the same.  Raises AddressFault."""
+    """Entries at `at`; an area has no number, but its words are counted.  Raises AddressFault."""
     return parse(entry.at, db=number_of(block))
 
 
@@ -63,7 +63,7 @@ def flags_of(cell: Cell, line: str) -> Mapping[str, Operand]:
 
 
 def inputs_of(cell: Cell) -> Mapping[str, Mapping[str, int]]:
-    """Line -> `to` of its entries -> RC input; the list is read only where an entry asks for it."""
+    """Line -> `to` of its entries -> RC input; the list is read only if an entry needs it."""
     found: dict[str, dict[str, int]] = {}
     signals: SignalList | None = None
     for block in cell.db:

@@ -1,4 +1,4 @@
-"""Which family of drives speaks on a bus, by its `protocol`: what the cycle sends and receives there.  Nothing big is loaded here."""
+"""Drive family of a bus, by its `protocol`: the frames of the cycle there.  Loads nothing large."""
 
 from drivers.drives.family import BusFamily
 from gateway.pure.cell.cell import Bus, Cell

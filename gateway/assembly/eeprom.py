@@ -13,12 +13,12 @@ WRITABLE = 0o222
 
 
 def is_protected(path: pathlib.Path) -> bool:
-    """It is there and read-only."""
+    """It exists and is read-only."""
     return path.exists() and not path.stat().st_mode & WRITABLE
 
 
 def save_eeprom(path: pathlib.Path, files: Mapping[str, bytes], memory: int) -> None:
-    """All files, or what was there before.  OSError."""
+    """Save all files, or keep the former ones.  OSError."""
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.comment = str(memory).encode()

@@ -23,7 +23,7 @@ PLAIN = {(1.0, 0.0): False, (-1.0, 1.0): True}  # scale and offset of a bit -> t
 
 
 def fast_wires(cell: Cell, families: Mapping[str, BusFamily]) -> FastWires | None:
-    """`families`: bus -> what speaks there; None: every measuring input comes through the services."""
+    """`families`: drive family of each bus; None: every measuring input comes through the services."""
     if not cell.measuring:
         return None
     numbers = sorted({each.input for each in cell.measuring if each.input >= 0})
@@ -32,7 +32,7 @@ def fast_wires(cell: Cell, families: Mapping[str, BusFamily]) -> FastWires | Non
 
 
 def _wire(cell: Cell, families: Mapping[str, BusFamily], number: int) -> Wire | None:
-    """Of one RC input."""
+    """The wire of one RC input."""
     symbols = symbols_of(cell) if cell.io else {}
     contact = next((io for io in cell.io if signal_bit(cell, io, symbols) == number), None)
     if contact is not None:

@@ -1,4 +1,4 @@
-"""The integrated PLC of a Reis as a cell sets it up: folder of its programs, its start program, file of what outlives power-off."""
+"""The integrated PLC of a Reis as set up by a cell: folder of its programs, its start program, file of its retained data."""
 
 import json
 import pathlib
@@ -23,8 +23,9 @@ def plc_folder(cell: Cell) -> pathlib.Path | None:
 
 
 def start_program(cell: Cell) -> str:
-    """Start program in that folder: _SPLC_PATH and _SSTARTPLC as a robot program has set them, else the one of the table; empty: none is
-    wanted.  ValueError: the path is not that of the folder."""
+    """Start program in that folder: _SPLC_PATH and _SSTARTPLC as set by a robot program, else the one of the table; empty: none is
+    required.  ValueError: the path is not that of the folder.
+    """
     assert cell.controller is not None and cell.controller.plc is not None
     kept = _system_values(memory_folder(cell))
     path, start = kept.get("_SPLC_PATH", "S:/PLC"), kept.get("_SSTARTPLC", cell.controller.plc.start)

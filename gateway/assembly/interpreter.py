@@ -178,7 +178,7 @@ class Baps2Programs:
         return ""
 
     def _pic_files(self) -> dict[str, bytes]:
-        """Of the PIC program, which is retained (L11565)."""
+        """Files of the PIC program, which is retained (L11565)."""
         return {name: self.memory.files[name] for name in (f"{self._pic}.QLS", f"{self._pic}.SYM") if name in self.memory.files}
 
     def _replace(self, files: Mapping[str, bytes]) -> None:
@@ -189,7 +189,7 @@ class Baps2Programs:
         self.memory.files.update(files)
 
     def _back_up(self, wanted: Wanted) -> str:
-        """The keys of the EPROM backup: the memory is empty, or what the EEPROM has of this size (L4901, L11546-11576; AX-1732)."""
+        """The keys of the EPROM backup: clear the memory, or restore it from the EEPROM (L4901, L11546-11576; AX-1732)."""
         shown = self.language.pendant.files
         why = backup_refused(wanted, error=bool(shown.card[0]), running=bool(self.language.tasks))
         if why:

@@ -57,7 +57,7 @@ def jog_of(cell: Cell) -> Jog | None:
 
 
 def _row(cell: Cell, name: str) -> tuple[float, ...]:
-    """Of each axis, in SI."""
+    """Values of each axis, in SI."""
     given = cell.rho3.others.get(name, ()) if cell.rho3 else ()
     values = given if isinstance(given, list | tuple) else (given,)
     numbers = [float(value) for value in values if isinstance(value, int | float) and not isinstance(value, bool)]

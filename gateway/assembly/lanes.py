@@ -11,7 +11,7 @@ def lane_masks(cell: Cell) -> list[int]:
 
 
 def several(cell: Cell) -> bool:
-    """It has kinematics with feed inputs and an override of their own (AX-1787)."""
+    """It has kinematics with their own feed inputs and override (AX-1787)."""
     return len(cell.robot) > 1 and all(robot.model for robot in cell.robot)
 
 

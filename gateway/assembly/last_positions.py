@@ -33,8 +33,9 @@ def _write(cell: Cell, places: dict[str, int]) -> None:
 
 
 class LastPlaces:
-    """Kept during the run, because of power failures.  Written where an axis has left its kept place by more than a share of a
-    motor turn, by a thread of its own, so that no disk holds up the services."""
+    """Keeps the places during the run, because of power failures.  A separate thread writes them after an axis has left its kept place by
+    more than a share of a motor turn, so that no disk blocks the services.
+    """
 
     def __init__(self, cell: Cell) -> None:
         self._cell = cell

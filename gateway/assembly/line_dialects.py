@@ -1,4 +1,4 @@
-"""The RK512 dialect of a [[line]]: its layer's, its station's, and what the file sets otherwise."""
+"""The RK512 dialect of a [[line]]: that of its layer, of its station, and the settings of the file."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from protocols.rk512.dialects import Dialect, dialect_of
 
 
 def rk512_dialect(line: Line) -> Dialect:
-    """The station's own dialect; what the file sets otherwise than its general default wins over it (AX-227)."""
+    """The station's own dialect; a setting in the file that differs from the general default overrides it (AX-227)."""
     spoken = layer_spoken(line)
     dialect = spoken.dialect(line) if spoken.dialect else dialect_of(line.profile)
     given, usual = line.rk512, Rk512()

@@ -1,4 +1,4 @@
-"""From [controller] of a cell to the Modbus view of a Reis or of a VAL 3 controller; loaded only where a server asks for it."""
+"""The Modbus view of a Reis or of a VAL 3 controller for [controller] of a cell; loaded only if a server needs it."""
 
 from collections.abc import Callable, Collection
 

@@ -6,7 +6,7 @@ PIC = "pic"  # name and kind of its command source
 
 
 def own_sources(cell: Cell) -> list[tuple[str, str]]:
-    """Name and kind of what commands from inside the cell."""
+    """Name and kind of the command sources inside the cell."""
     return [(PIC, PIC)] if cell.controller is not None and cell.controller.pic else []
 
 

@@ -25,7 +25,7 @@ def lane_programs_of(
     team_of: Callable[[Sequence[Kinematic], int], Team],
     moved_by: Callable[[int], int],
 ) -> LanePrograms:
-    """Of a checked cell, a job on each lane; moved_by: axes of a program by its number."""
+    """Programs of a checked cell, one job per lane; moved_by: axes of a program by its number."""
     masks = lane_masks(cell)
     by_robot = [mask_of(cell, machine) for machine in machines_of_cell(cell)] if len(masks) > 1 else []
     return LanePrograms(

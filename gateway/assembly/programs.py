@@ -1,6 +1,6 @@
-"""Programs and robot of a cell, found and looked at before a run starts; what planner, dispatcher and checks need of them.
+"""Programs and robot of a cell, found and checked before a run starts, for planner, dispatcher and checks.
 
-Files are read here and in the planner process alone.  The motion core is imported inside: code that only needs the plain data (the
+Only this module and the planner process read the files.  The motion core is imported inside: code that only needs the plain data (the
 services) must not load it.
 """
 
@@ -78,7 +78,7 @@ def bnr_files(program: str, blocks: "Sequence[Block]") -> "dict[str, bytes | Mot
 
 
 def robots_of(cell: Cell, text: str, kinematics: str = "") -> "Machine | Team":
-    """Those a program moves; kinematics: what its [[program]] names.  MotionError."""
+    """Robots moved by a program; kinematics: those named by its [[program]].  MotionError."""
     from motion.program.text.reader import read
     from motion.program.text.team import read_team, several
 
@@ -123,7 +123,7 @@ def _facts(cell: Cell, measuring: Measuring) -> MeasuringFacts:
 
 
 def machine_of_cell(cell: Cell) -> "Machine":
-    """The only robot of a cell, or the one on its first axes; MotionError names what does not fit."""
+    """The only robot of a cell, or the one on its first axes; MotionError names the mismatch."""
     return machines_of_cell(cell)[0]
 
 
@@ -223,8 +223,9 @@ def called_in(cell: Cell) -> str:
 
 
 def robot_meant(cell: Cell, written: str, kinematics: str = "") -> "Machine":
-    """The robot a program of one is for.  written: the file of robots its text names, or ""; kinematics: what its [[program]] names, or "".
-    MotionError: none, or one of several."""
+    """The robot of a program for a single one.  written: the file of robots named in its text, or ""; kinematics: that of its [[program]],
+    or "". MotionError: none, or one of several.
+    """
     from motion.errors import MotionError
 
     found = [n for n, robot in enumerate(cell.robot) if not kinematics or kinematics in (robot.name, robot.model)]

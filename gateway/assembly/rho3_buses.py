@@ -1,4 +1,4 @@
-"""[rho3] P30..P32 and P601 of a cell on its buses: what the cycle exchanges there, and the emulated modules of a simulated run."""
+"""[rho3] P30..P32 and P601 of a cell on its buses: the cycle's frames there, and the emulated modules of a simulated run."""
 
 import time
 

@@ -60,7 +60,7 @@ class RobotstarPrograms:
         self._notes = [*self._restored(), *self._initialised()]
 
     def _initialised(self) -> list[str]:
-        """SYVARINI of the memory is run at the start, over values that were kept; the one shipped would change nothing that is wanted."""
+        """SYVARINI of the memory runs at the start, over kept values; the shipped one would change nothing useful."""
         if not any(each.name.upper() == INITIAL and (self.folder / each.file).exists() for each in self.language.memory.all()):
             return []
         wrong, step, program = initialise(self.language.machine)
@@ -72,7 +72,7 @@ class RobotstarPrograms:
         return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in found.items()}
 
     def _file(self, program: str) -> Path:
-        """Beside the program: NAME.MPR has NAME.MPR.VAL."""
+        """Next to the program: NAME.MPR has NAME.MPR.VAL."""
         return self.folder / f"{program}{KEPT}"
 
     def _restored(self) -> list[str]:
@@ -98,13 +98,13 @@ class RobotstarPrograms:
         return [path for path in self.folder.rglob(f"*{KEPT}") if path.is_file()]
 
     def read(self, alive: Callable[[], None]) -> list[str]:
-        """What is wrong with the programs, and with the values that were kept."""
+        """Faults of the programs, and of the kept values."""
         alive()
         notes, self._notes = self._notes, []
         return [f"{fault}" for fault in (*self._faults, *self.language.faults) if fault.severity.value == "error"] + notes
 
     def refresh(self, alive: Callable[[], None]) -> list[str] | None:
-        """Programs that were put into the memory since the last start; a program that was stopped begins anew then."""
+        """Programs added to the memory since the last start; a stopped program then restarts from its beginning."""
         stamps = self._stamped()
         if stamps == self._stamps or self.language.runs:
             return None
@@ -144,7 +144,7 @@ class RobotstarPrograms:
         return faults
 
     def _programs_back(self) -> list[str]:
-        """What programs have made; a file that is deleted goes last, with its values.  Locks of what was there are released."""
+        """Write back files made by programs; a deleted file goes last, with its values.  Locks of former files are released."""
         made, faults = self.language.made(), []
         changed = sorted(
             (name for name, text in made.items() if name not in self._made or self._made[name] != text), key=lambda name: made[name] is None

@@ -92,7 +92,7 @@ def register_key(place: Place, *, reads: bool) -> str:
 
 
 def routed_values(cell: Cell) -> Mapping[str, list[ModbusValue]]:
-    """Client -> values its devices are asked for, or given, because a route begins or ends there (AX-407)."""
+    """Client -> values read from or written to its devices, because a route begins or ends there (AX-407)."""
     found: dict[str, dict[str, ModbusValue]] = {}
     for compiled in compile_routes(cell):
         every_ms = compiled.settings.rate_ns // ms(1) or POLL_MS

@@ -39,7 +39,7 @@ WATCHED_MS: Mapping[str, int] = {  # processes without a region of their own: lo
     "gateway.processes.web": 5_000,  # of low priority
     "gateway.processes.northbound": 5_000,
 }
-CYCLE_RINGS = ("trace", "scope", "record", "recorder")  # what it says to whoever listens, and who that is
+CYCLE_RINGS = ("trace", "scope", "record", "recorder")  # rings for listeners, and the region of the recorder
 CHIPS_LIFE_MS = 1_000  # a chip on USB may be slow; its contacts are marked meanwhile
 PLANNER_LIFE_MS = 10_000  # a law of a long run takes a second, much more on a busy computer; nothing depends on it meanwhile (AX-420)
 INTERPRETER_LIFE_MS = 10_000  # a long program is checked for seconds
@@ -88,7 +88,7 @@ class RunPlan:
     record: pathlib.Path | None = None
     children: tuple[Child, ...] = field(default_factory=tuple)
     zeros: Mapping[str, float] = field(default_factory=dict)  # of absolute axes: increments at which they read 0
-    web: Web | None = None  # the page, where the cell or the command line asks for it
+    web: Web | None = None  # the page, if the cell or the command line requests it
     programs: Mapping[int, ProgramPlan] = field(default_factory=dict)
     # Shadow: line -> ports that listen to the PLC and the old controller; Modbus server -> capture, address of the old controller.
     taps: Mapping[str, tuple[str, str]] = field(default_factory=dict)
@@ -123,7 +123,7 @@ class RunPlan:
 
 @dataclass(frozen=True, slots=True)
 class Instead:
-    """What a run has in place of what its cell states; None: as the cell states."""
+    """Replacements of a run for settings of its cell; None: as in the cell."""
 
     bus: str | None = None  # port of every drive bus
     p5_ms: int | None = None
@@ -178,7 +178,7 @@ def plan_run(
 
 
 def watched(children: Sequence[Child]) -> tuple[Child, ...]:
-    """Those without a region of their own get one for their life counter."""
+    """Processes without a region of their own get one for their life counter."""
     return tuple(
         replace(child, life=f"life-{n}", life_limit_ns=WATCHED_MS[child.module] * MS) if child.module in WATCHED_MS else child
         for n, child in enumerate(children)
@@ -188,7 +188,7 @@ def watched(children: Sequence[Child]) -> tuple[Child, ...]:
 def bus_ports(
     cell: Cell, slug: str, bus: str | None, period_ms: int, record: pathlib.Path | None, *, simulated: bool
 ) -> tuple[dict[str, str], list[Child]]:
-    """Where each bus of drives is, and what runs there before anything else; `bus` overrides the cell."""
+    """Port of each drive bus, and the processes to start before everything else; `bus` overrides the cell."""
     buses: dict[str, str] = {}
     children: list[Child] = []
     for drive_bus in cell.bus:
@@ -282,7 +282,7 @@ def adapter_children(bus: Bus, local: str, url: str, p5_ms: int, record: pathlib
 
 
 def page_of(cell: Cell, port: int | None, *, simulated: bool) -> Web | None:
-    """Where the page is served: as in [web], on loopback in a simulation, on `port` when the command line asks for it."""
+    """Address of the page: as in [web], on loopback in a simulation, on `port` if the command line names it."""
     if cell.web is None and port is None:
         return None
     web = cell.web or Web()
@@ -292,7 +292,7 @@ def page_of(cell: Cell, port: int | None, *, simulated: bool) -> Web | None:
 
 
 def known_zeros(cell: Cell) -> dict[str, float]:
-    """What `axisgate axis zero` has written for this cell."""
+    """Zeros written by `axisgate axis zero` for this cell."""
     from gateway.assembly import axis_zeros as zeros
 
     found = {axis.name: zeros.zero_inc(cell, axis.name) for axis in cell.axis if axis.home.by == "none"}
@@ -396,7 +396,7 @@ def make_regions(plan: RunPlan) -> dict[str, int]:
 
 
 def modbus_ports(cell: Cell, slug: str, simulated: bool, port: int | None) -> tuple[dict[str, tuple[str, int] | str], list[Child]]:
-    """Where Modbus servers listen and clients speak, and the cables of simulated lines; `port` is the first TCP server's."""
+    """Ports of Modbus servers and clients, and the cables of simulated lines; `port` is the first TCP server's."""
     places: dict[str, tuple[str, int] | str] = {}
     cables: list[Child] = []
     for modbus in cell.modbus:
@@ -408,7 +408,7 @@ def modbus_ports(cell: Cell, slug: str, simulated: bool, port: int | None) -> tu
         elif modbus.port_:
             places[modbus.name] = modbus.port_
         else:
-            own = modbus.port if not simulated or modbus.port >= 1024 else 1000 + modbus.port  # 502 and 802 want a permission
+            own = modbus.port if not simulated or modbus.port >= 1024 else 1000 + modbus.port  # 502 and 802 need a permission
             places[modbus.name] = ("127.0.0.1" if simulated else modbus.host, own if port is None else port)
             port = None
     return places, cables

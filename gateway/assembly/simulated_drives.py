@@ -34,7 +34,7 @@ def simulated_drives(cell: Cell, bus: Bus) -> Iterator[str]:
 @contextlib.contextmanager
 def _running(process_of: str, *arguments: str) -> Iterator[None]:
     command = [sys.executable, "-m", MODULES[process_of], *arguments, "--die-with-parent"]
-    # a session of their own: Ctrl-C is for the tool, which stops the drive first
+    # a session of its own: Ctrl-C is for the tool, which stops the drive first
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
     assert process.stdout is not None
     try:

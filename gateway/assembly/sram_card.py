@@ -1,6 +1,6 @@
 """The SRAM card of a rho 3.0: a file whose size is that of the card.  Source: rho 3 Releases L11424-11581; AX-1756.
 
-The files stay in the folder of the memory; a mark there and the same mark on the card say that they belong together.
+The files stay in the folder of the memory; equal marks there and on the card show that they belong together.
 """
 
 import os
@@ -52,7 +52,7 @@ def in_use(folder: pathlib.Path) -> bool:
 
 
 def in_place(card: pathlib.Path | None, folder: pathlib.Path) -> bool:
-    """The card of this memory is there and can be written."""
+    """The card of this memory is inserted and writable."""
     if card is None or card_refused(card):
         return False
     try:

@@ -18,14 +18,14 @@ def is_incoming(telegram: Telegram) -> bool:
 
 
 def incoming(telegram: Telegram, line: Line) -> Incoming:
-    """What the reader needs."""
+    """Telegrams for the reader."""
     matches = tuple(Match(match.byte, raw_bytes(match)) for match in telegram.match)
     fields = tuple(_field(field, field.to, field.byte, line) for field in telegram.fields)
     return Incoming(telegram.name, matches, fields, telegram.length, signal_of(telegram), link_profile(line).most_received)
 
 
 def outgoing(telegram: Telegram, line: Line) -> Outgoing:
-    """What the builder needs."""
+    """Telegrams for the builder."""
     parts: list[bytes | Field] = []
     at = 0
     for part in telegram.build:

@@ -71,7 +71,7 @@ def service_of(table: Val3) -> Service:
 
 
 def rated_force(axis: Axis) -> float:
-    """Of the joint at the rated torque of its motor, Nm or N; 0 where it is not known."""
+    """Force or torque of the joint at the rated torque of its motor, Nm or N; 0 if unknown."""
     mechanics = axis.mechanics
     way = to_si(mechanics.feed_per_turn, axis.unit) / (2.0 * math.pi)  # rad or m of the axis per rad after the gear
     return (axis.drive.rated_torque or 0.0) * mechanics.ratio / (way if mechanics.direction == "+" else -way)

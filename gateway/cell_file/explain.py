@@ -84,7 +84,7 @@ class Explainer:
         return []
 
     def parameter(self, number: str) -> list[Line]:
-        """A P number: its value, and what it sets."""
+        """A P number: its value, and its effect."""
         meaning, unit = PARAMETERS.get(number) or _not_used(number)
         params = self.cell.rho3
         raw = self._raw.get("rho3")
@@ -131,7 +131,7 @@ class Explainer:
 
 
 def parameter_of_any_cell(number: str) -> list[Line]:
-    """What a P number sets; [] for one the rho 3 does not have."""
+    """Effect of a P number; [] for one the rho 3 does not have."""
     if number not in LEGAL:
         return []
     meaning, unit = PARAMETERS.get(number) or _not_used(number)

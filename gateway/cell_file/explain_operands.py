@@ -1,4 +1,4 @@
-"""What an operand of a PLC program means in axisgate, in words: E and A bytes, flags, timers, counters.  Used by `axisgate explain`."""
+"""Meaning of an operand of a PLC program in axisgate: E and A bytes, flags, timers, counters.  Used by `axisgate explain`."""
 
 from collections.abc import Iterator
 

@@ -138,14 +138,14 @@ def _walk(path: Sequence[str | int]) -> tuple[type | None, Column | None]:
 
 
 def _key_column(path: Path) -> Column | None:
-    """What the names of a table by names may be."""
+    """Permitted names of a table by names."""
     _, column = _walk(path[:-1])
     names = get_args(bare_type(column.annotation)) if column else ()
     return parts_of(names[0]) if names else None
 
 
 def _inside(container: Any) -> Any:
-    """The type of what a list or mapping holds."""
+    """The element type of a list or mapping."""
     return [each for each in get_args(container) if each is not Ellipsis][-1]
 
 

@@ -25,7 +25,7 @@ WORDS: Mapping[str, tuple[str, str]] = {  # word -> (meaning, key of the cell th
 }
 ALIASES = {"ADT": "QVZ", "CDT": "ZVZ", "BLOCKWARTEZEIT": "BWZ", "QUITTUNGSVERZUGSZEIT": "QVZ", "ZEICHENVERZUGSZEIT": "ZVZ"}
 ALSO_CALLED = {"QVZ": "ADT", "ZVZ": "CDT"}
-MEANINGS: Mapping[str, tuple[tuple[str, str], ...]] = {  # word -> what else it means, and who says so
+MEANINGS: Mapping[str, tuple[tuple[str, str], ...]] = {  # word -> its other meanings, and their source
     "QVZ": (
         (
             "Quittungsverzug in an S5: a memory or an interface does not acknowledge an access; PAFE 4xh, ISTACK",

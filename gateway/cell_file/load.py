@@ -31,7 +31,7 @@ DEFAULTS_TAKEN = ("mode", "stop_on_bus_loss", "stop_evidence", "brake", "followi
 JERK_PER_ACCEL = 10.0  # 1/s: full acceleration is reached in 0.1 s (AX-123)
 FIRST = next(layer.name for layer in LINE_LAYERS.values() if layer.first)
 SERVING = tuple(layer.name for layer in LINE_LAYERS.values() if layer.blocks)
-QUIET = tuple(layer.name for layer in LINE_LAYERS.values() if layer.telegrams)  # partners that speak when they have something to say
+QUIET = tuple(layer.name for layer in LINE_LAYERS.values() if layer.telegrams)  # partners that send only when they have data
 PLANT_KEYS = frozenset(RANGES) | set(ServoSettings.__dataclass_fields__)
 PLANT_OWN = frozenset(name for name in PLANT_KEYS if name.startswith(("start", "reference_switch", "hard_limit", "following_error")))
 
@@ -62,7 +62,7 @@ def _decoded(path: str) -> str:
 
 
 def _former_keys(raw: dict[str, Any]) -> None:
-    """Cells of recordings and of earlier versions: a key by its name of today.  Beside the key of today the former one is unknown."""
+    """Rename keys of recordings and earlier versions to their present names.  If the present key exists, the former one is unknown."""
     table = raw.get("controller")
     if isinstance(table, dict) and "command_source" not in table and "door" in table:
         table["command_source"] = table.pop("door")
@@ -186,7 +186,7 @@ def _tables(value: Any) -> list[dict[str, Any]]:
 
 
 def _part(where: tuple[str | int, ...], kind: str) -> Path:
-    """What has to be cut out so that the rest can be judged: an unknown key alone, else the list element or table around it."""
+    """The part to remove so that the rest can be judged: an unknown key alone, else the list element or table around it."""
     if kind == UNKNOWN_KEY:
         return where
     if where[0] == "telegram":  # its entries are counted: none may leave the row
@@ -200,7 +200,7 @@ def _part(where: tuple[str | int, ...], kind: str) -> Path:
 
 
 def _cut_order(where: Path) -> tuple[tuple[bool, int, str], ...]:
-    """Sorted backwards: later elements before earlier ones, inner ones before what holds them."""
+    """Sorted backwards: later elements before earlier ones, inner ones before their containers."""
     return tuple((isinstance(part, int), part if isinstance(part, int) else 0, str(part)) for part in where)
 
 

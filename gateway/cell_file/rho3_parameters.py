@@ -39,7 +39,7 @@ BITRATE = {0: "1 Mbit/s", 1: "500 kbit/s", 2: "250 kbit/s", 3: "125 kbit/s"}  # 
 
 @dataclass
 class Merged:
-    """The raw file with P numbers worked in, where each such value came from, and what collided."""
+    """The raw file with P numbers worked in, the source of each such value, and the collisions."""
 
     raw: dict[str, Any]
     sources: dict[str, Source] = field(default_factory=dict)
@@ -215,7 +215,7 @@ class _Work:
 
 
 def _nth(values: Any, number: int) -> Any:
-    """Of a list that is as long; None for anything else."""
+    """Element of a list that is long enough; None for anything else."""
     return values[number] if isinstance(values, list) and number < len(values) else None
 
 

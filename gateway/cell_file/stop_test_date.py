@@ -13,7 +13,7 @@ _DATE = re.compile(r"=\s*\S+")
 
 
 class NotWritten(Exception):
-    """Why, and what to do instead."""
+    """Why, and the alternative."""
 
 
 def write(file: pathlib.Path, day: datetime.date) -> int:

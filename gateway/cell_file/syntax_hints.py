@@ -10,7 +10,7 @@ _QUIET = re.compile(r"\"(?:\\.|[^\"\\\n])*\"|'[^'\n]*'|#[^\n]*")
 
 
 def syntax_fault(file: str, text: str, error: tomllib.TOMLDecodeError) -> Fault:
-    """The fault with its line and, where the mistake is a usual one, what to write instead."""
+    """The fault with its line and, for a common mistake, the correct form."""
     message = str(error)
     lines = text.splitlines() or [""]
     found = _PLACE.search(message)

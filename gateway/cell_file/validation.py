@@ -11,7 +11,7 @@ from gateway.pure.cell.cell import CellTables
 from gateway.pure.cell.columns import key_of
 from gateway.registry import NAMES
 
-LISTS_AND_TABLES = ("tuple", "dataclass")  # strict ones would ask for tuples and finished objects; a file has lists and tables
+LISTS_AND_TABLES = ("tuple", "dataclass")  # strict ones would require tuples and finished objects; a file has lists and tables
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -9,7 +9,7 @@ WORD, BITS = 16, 1024
 
 
 def alter(check: Context) -> None:
-    """What the table alone cannot know."""
+    """Checks beyond the table itself."""
     table = check.cell.alter
     if table is None:
         return

@@ -16,7 +16,7 @@ FUNCTIONS = (0x80, 0x180, 0x200, 0x280, 0x300, 0x380, 0x400, 0x480, 0x500, 0x580
 
 
 def belts(check: Context) -> None:
-    """What one belt alone cannot know."""
+    """Checks beyond a single belt."""
     cell = check.cell
     if len(cell.belt) > MOST:
         check.fault("belt", len(cell.belt), "belts of one cell (P501)", f"0..{MOST}")
@@ -34,7 +34,7 @@ def belts(check: Context) -> None:
 
 
 def _moved(check: Context, belt: Belt, where: str) -> None:
-    """What it carries, and how far (P503)."""
+    """Axes it carries, and how far (P503)."""
     cell = check.cell
     if not any(belt.factors) or not belt.factor:
         key = "factor" if not belt.factor else "factors"

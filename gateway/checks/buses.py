@@ -22,7 +22,7 @@ def modules_of(text: str) -> range:
 
 
 def drives(check: Context) -> None:
-    """Every axis hangs on a bus that speaks its drive's language, at a place of its own."""
+    """Every axis is on a bus with its drive's protocol, at a place of its own."""
     buses = {bus.name: bus for bus in check.cell.bus}
     taken: dict[tuple[str, str, int], str] = {}
     for axis in check.cell.axis:
@@ -57,7 +57,7 @@ def _one_place(check: Context, taken: dict[tuple[str, str, int], str], axis: Axi
 
 
 def buses(check: Context) -> None:
-    """What a SERVODYN bus demands: 1 Mbit/s, at most six axes, a layout; its modules all have an axis."""
+    """Requirements of a SERVODYN bus: 1 Mbit/s, at most six axes, a layout; its modules all have an axis."""
     for bus in check.cell.bus:
         if not BUS_PROTOCOLS[bus.protocol].boosted:
             continue

@@ -30,7 +30,7 @@ def nodes(check: Context) -> None:
 
 
 def identifiers(check: Context) -> None:
-    """Everything that speaks on one CAN port, of whatever protocol."""
+    """All identifiers on one CAN port, of any protocol."""
     ports: dict[str, list[Bus]] = {}
     for bus in check.cell.bus:
         ports.setdefault(bus.name if bus.port == "sim" else bus.port, []).append(bus)
@@ -68,7 +68,7 @@ def used_on(cell: Cell, bus: Bus) -> list[Used]:
 
 
 def sheets(cell: Cell) -> Iterator[Notice]:
-    """Data sheets that are not there, or dirty: what was ignored and why."""
+    """Data sheets that are missing or faulty: the ignored entries and the reason."""
     named: dict[str, list[Axis]] = {}
     for axis in cell.axis:
         if DRIVE_FAMILIES[axis.drive.type].objects and axis.drive.eds:

@@ -18,7 +18,7 @@ ENABLING = ("EMSTOP_OK_RCI", "CTRL_ALLOW_RCI", "FEED_ALLOW_RCI", "FEED_HOLD_N_RC
 
 
 def safety(check: Context) -> None:
-    """`run` on metal wants every field of [safety] (users.md 3.4)."""
+    """`run` on real drives requires every field of [safety] (users.md 3.4)."""
     if check.cell.cell.target != "machine":
         return
     table = check.cell.safety
@@ -147,7 +147,7 @@ def _wired(check: Context) -> None:
 
 
 def signals(check: Context) -> None:
-    """Only axisgate's own numbers can be moved, to places the manual has not given away, and not two to one place."""
+    """Only axisgate's own numbers can be moved, to places the manual leaves free, each to a place of its own."""
     moved = {name.upper(): bit for name, bit in check.cell.signals.items()}
     taken = {signal.at: signal.name for signal in check.signals.all if signal.name not in moved and not signal.until}
     for name, bit in moved.items():

@@ -33,7 +33,7 @@ def contacts(check: Context) -> None:
 
 
 def _device(check: Context, io: Io) -> None:
-    """What each kind of device needs, and what it does not know."""
+    """Required and unknown settings of each kind of device."""
     key, device = f"io.{io.name}.device", io.device
     needed = {COUPLER: ("bus", "node"), MODBUS: ("url",), CHIP: ("chip",)}[device.type]
     for name in needed:

@@ -1,4 +1,4 @@
-"""What every cross check gets: the cell, the names that exist, the signals, and a place for faults."""
+"""Context of every cross check: the cell, the existing names, the signals, and a list for faults."""
 
 import difflib
 from collections.abc import Callable, Iterable, Mapping
@@ -11,7 +11,7 @@ from gateway.pure.image.signals import SignalList
 
 @dataclass
 class Context:
-    """Handed from check to check."""
+    """Passed from check to check."""
 
     cell: Cell
     known: Mapping[str, frozenset[str]]

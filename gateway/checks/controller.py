@@ -55,7 +55,7 @@ def wired(cell: Cell, name: str) -> bool:
 
 
 def phg_fault(cell: Cell, name: str) -> str:
-    """What is wrong with a variable of the PHG that shall be shown as a number; "" for other names and for one that is there."""
+    """Fault of a variable of the PHG to be shown as a number; "" for other names and for an existing one."""
     if not name.startswith(PREFIX):
         return ""
     only = 'variables of the PHG need [controller] with kind = "rho3"'

@@ -43,7 +43,7 @@ def profile_of(line: Line) -> Profile | None:
 
 
 def dialect_of(line: Line) -> Dialect | None:
-    """How it speaks RK512; None where it does not, or its name is unknown."""
+    """Its RK512 dialect; None if it has none, or its name is unknown."""
     return rk512_dialect(line) if LINE_LAYERS[line.layer].blocks and profile_of(line) is not None else None
 
 
@@ -81,7 +81,7 @@ def _suitable(check: Context, line: Line, station: Profile, name: str, value: in
 
 
 def types(check: Context) -> None:
-    """What is declared can be served, and where the dialect can reach it."""
+    """The declared blocks can be served, and the dialect can reach them."""
     lines = {line.name: line for line in check.cell.line}
     for line in check.cell.line:
         layer = LINE_LAYERS[line.layer]

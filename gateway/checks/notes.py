@@ -64,7 +64,7 @@ def _share(block: Db, entry: Entry, axis: Axis) -> tuple[float, Notice] | None:
 
 
 def line_silence(cell: Cell) -> Iterator[Notice]:
-    """How late the link itself reports a dead partner, and what notices it first."""
+    """How late the link itself reports a dead partner, and the first detection."""
     for line in _command_lines(cell):
         late, watch = silence_s(line), line.supervision
         qvz, attempts = late[0], late[1]
@@ -118,7 +118,7 @@ def bus_load(cell: Cell) -> Iterator[Notice]:
 
 
 def bus_whole(cell: Cell) -> Iterator[Notice]:
-    """What `bus_load` leaves out: it counts SYNC, set and actual values alone, as the users' chapter writes it."""
+    """Load missing in `bus_load`: that counts only SYNC, set and actual values, as in the users' chapter."""
     from gateway.assembly.bus_frames import bitrate, traffic  # they read their figures from this package
 
     for bus in cell.bus:
@@ -153,7 +153,7 @@ def polling(cell: Cell) -> Iterator[Notice]:
 
 
 def _job_of(block: Db) -> str:
-    """Who does what: the partner sends what it writes and fetches the rest; a job of ours goes the other way."""
+    """Job of a block: the partner sends what it writes and fetches the rest; our own jobs go the other way."""
     return "SEND" if (block.writer == "plc") is not bool(block.every_ms or block.on_change) else "FETCH"
 
 
@@ -219,7 +219,7 @@ def feed_of_kinematics(cell: Cell) -> Iterator[Notice]:
 
 
 def _written(cell: Cell) -> set[str]:
-    """What entries of data blocks, contacts and routes write."""
+    """Names written by entries of data blocks, contacts and routes."""
     written = {entry.to for block in cell.db for entry in block.entries if entry.to} | {
         io.signal for io in cell.io if io.device.input is not None
     }
@@ -268,7 +268,7 @@ def serials(cell: Cell) -> Iterator[Notice]:
 
 
 def many_axes(cell: Cell) -> Iterator[Notice]:
-    """What old tables do not say of a cell with more axes than the old controller had (AX-572)."""
+    """Limits of old tables in a cell with more axes than the old controller had (AX-572)."""
     names = [axis.name for axis in cell.axis]
     if len(names) <= TABLED:
         return
@@ -291,7 +291,7 @@ def simulated(cell: Cell) -> Iterator[Notice]:
 
 
 def unplayed(cell: Cell) -> Iterator[Notice]:
-    """What this version checks but cannot run."""
+    """Parts that this version checks but cannot run."""
     reasons = not_playable(cell)
     if reasons:
         yield Notice("note", "run", f"not playable yet: {', '.join(reasons)}")

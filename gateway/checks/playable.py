@@ -1,4 +1,4 @@
-"""What a checked cell asks for and this version cannot run."""
+"""Parts of a checked cell that this version cannot run."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ def not_playable(cell: Cell) -> list[str]:
     reasons = [f"{key} = {value}" for key, value, played in _choices(cell) if value not in played]
     reasons += [f"db.{db.number}[{entry.at}] = {entry.signal}" for db in cell.db for entry in db.entries if not _served(entry.signal)]
     unknown = [robot.kinematics for robot in cell.robot if cell.program and robot.kinematics not in PLANNED_KINEMATICS]
-    reasons += [f"robot.kinematics = {kinematics}" for kinematics in unknown]  # nothing else asks for them
+    reasons += [f"robot.kinematics = {kinematics}" for kinematics in unknown]  # no other part requires them
     return reasons
 
 

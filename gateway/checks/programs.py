@@ -144,7 +144,7 @@ def _measuring(check: Context) -> None:
     try:
         fast = FastInputs([BOARDS[name] for name in boards_of(cell.controller)], p11_of(cell, cell.controller))
     except ValueError:
-        return  # checks.controller says what is wrong with P11
+        return  # checks.controller reports faults of P11
     for each in cell.measuring:
         if fast.configured and each.channel not in fast.channels():
             given = ", ".join(map(str, fast.channels())) or "none"

@@ -1,4 +1,4 @@
-"""Cross checks of [retain]: only what may outlive power-off, and only what this cell has (AX-425)."""
+"""Cross checks of [retain]: only data that may outlive power-off and that this cell has (AX-425)."""
 
 from collections.abc import Iterator
 

@@ -36,7 +36,7 @@ def parameters(check: Context) -> None:
     if params is None:
         return
     setup = setup_of(check.cell, params)
-    if _faulty(check, params):  # of the blocks only those are known that have no fault of their own
+    if _faulty(check, params):  # only blocks without a fault of their own are known
         setup = dataclasses.replace(setup, buses=tuple(BusSetup(bus.axes) for bus in setup.buses))
     for found in judge(setup):
         code = f"; the rho 3 shows {found.code} {found.text}, system error {found.system_error}" if found.code else ""

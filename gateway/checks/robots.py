@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def robots(check: Context) -> None:
-    """What one robot alone cannot know (AX-564)."""
+    """Checks beyond a single robot (AX-564)."""
     cell = check.cell
     count = len(cell.robot)
     _named(check)
@@ -77,7 +77,7 @@ def masters(check: Context) -> None:
     """The master of axes without transformation is the first axis of its robot (rho 3, L5614)."""
     axes, first = check.cell.axis, 0
     if not any(axis.manual for axis in axes) or {axis.name for axis in axes} != check.known["axis"]:
-        return  # an axis left out with a fault of its own: nobody knows whose the others are
+        return  # an axis was left out for a fault of its own: the owners of the others are unknown
     from motion.robot import Kind
 
     for robot in _files(check):
@@ -90,7 +90,7 @@ def masters(check: Context) -> None:
 
 
 def _no_master(check: Context, robot: str, own: Sequence[Axis]) -> None:
-    """Told where it was written: in the axis or in P303."""
+    """Reported where it was written: in the axis or in P303."""
     mains = ", ".join(axis.name for axis in own if not axis.manual) or "none of the others"
     hint = f"axis {own[0].name} is the first of robot {robot}, which has no transformation: the first is its master and no manual axis; "
     hint += f"main axes are {mains}: put one of them first, or make this one a main axis"

@@ -22,7 +22,7 @@ from protocols.canopen.dictionary import Entry
 from protocols.canopen.types import Kind as DataKind
 from protocols.modbus.numbers import words_of
 
-# Beside what the start-up writes: options it sets, set values, and limits that protect parts and stay what the commissioning left.
+# Objects closed to routes: options of the start-up, set values, and limits that protect parts and keep their commissioned values.
 LIMITS = frozenset(
     (*range(0x605A, 0x605F), *range(0x607B, 0x6081), 0x6007, 0x6065, 0x6066, 0x6071, 0x6098, 0x6099, 0x60B0, 0x60B1, 0x60B2, 0x60FF)
 )
@@ -64,7 +64,7 @@ def _sense(check: Context, route: Route) -> None:
 
 
 def _ends(check: Context, route: Route, compiled: Compiled) -> None:
-    """Where values may come from and go to."""
+    """Permitted sources and targets of values."""
     key = f"route.{route.name}"
     _source(check, f"{key}.from", route.from_, compiled.source)
     _target(check, f"{key}.to", route.to, compiled.target)
@@ -125,7 +125,7 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
 
 
 def _register(check: Context, key: str, text: str, place: Place) -> None:
-    """A target at a device: one that can be written, and by nobody else."""
+    """A target at a device: writable, and without another writer."""
     if place.db not in (0, 4):
         check.fault(key, text, "discrete inputs and input registers can only be read: a coil (00001) or a holding register (40001)")
     client, _, device = place.name.partition(".")
@@ -234,7 +234,7 @@ def _near_value(check: Context, name: str) -> str:
 
 
 def _overflow(check: Context, route: Route, compiled: Compiled) -> None:
-    """The largest source value against the target's form; floats say nothing about how large they get."""
+    """The largest source value against the target's form; floats have no known range."""
     span = _source_span(check.cell, compiled.source)
     if span is None or compiled.target.world not in BOUNDED or route.edge in ("rising", "falling"):
         return
@@ -297,7 +297,7 @@ def _together(check: Context, compiled: list[Compiled]) -> None:
 
 
 def reach(cell: Cell) -> Iterator[Notice]:
-    """What each route needs, where it is more than the cycle."""
+    """Requirements of each route, if they exceed the cycle."""
     if not cell.route:
         return
     symbols, lines, devices = symbols_of(cell), lines_of(cell), devices_of(cell)

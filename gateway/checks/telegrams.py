@@ -50,7 +50,7 @@ def _direction(check: Context, telegram: Telegram) -> None:
 
 
 def entries(check: Context) -> None:
-    """Each entry is one thing; then every place, length and range is judged by what will read and build."""
+    """Each entry is one thing; then reader and builder rules judge every place, length and range."""
     lines = {line.name: line for line in check.cell.line}
     for telegram in check.cell.telegram:
         line = lines.get(telegram.line)
@@ -180,7 +180,7 @@ def _items(kind: str, count: int) -> tuple[bool, int]:
 
 
 def silence(check: Context) -> None:
-    """max_silence_ms = 0 switches supervision off, which only a partner that speaks when it likes may have."""
+    """max_silence_ms = 0 switches supervision off, allowed only for a partner that sends irregularly."""
     for line in check.cell.line:
         value = line.supervision.max_silence_ms
         if value < 50 and not (value == 0 and LINE_LAYERS[line.layer].telegrams):

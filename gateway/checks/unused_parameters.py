@@ -1,4 +1,4 @@
-"""What was typed in and changes nothing in this cell: P numbers of [rho3] whose tuning has no effect, a file of zeros."""
+"""Parameters without effect in this cell: P numbers of [rho3] whose tuning has no effect, a file of zeros."""
 
 from collections.abc import Iterator
 from dataclasses import fields

@@ -1,4 +1,4 @@
-"""Cross checks of [val3]; what reads its application, and so the robot's kinematics, is loaded where a cell has one."""
+"""Cross checks of [val3]; the reader of its application, and so the robot's kinematics, is loaded only for such a cell."""
 
 from collections.abc import Iterator
 

@@ -54,7 +54,7 @@ def main(argv: list[str]) -> int:
 
 
 def ask(asked: Asked, language: str = "en") -> str:
-    """One line of standard input; an answer that does not fit is asked again.  Questions go to standard error, not into --json."""
+    """Read a line of standard input; repeat the question after an invalid answer.  Questions go to standard error, not into --json."""
     print(f"{in_language(asked.text, language)}  [{', '.join(asked.answers) or in_language(asked.free, language)}]", file=sys.stderr)
     for word, meaning in asked.answers.items():
         if meaning:

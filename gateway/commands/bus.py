@@ -3,7 +3,7 @@
 import importlib
 import sys
 
-TOOLS = {  # name: module with main(argv) -> exit code, what it does
+TOOLS = {  # name: module with main(argv) -> exit code, purpose
     "load": ("gateway.tools.bus.load", "compute the load of a cell, or of a recorded bus"),
     "monitor": ("gateway.tools.bus.monitor", "show frames of a live bus, decoded"),
     "log": ("gateway.tools.bus.log", "write a live bus to a file: candump, ASC, BLF, TRC, pcapng"),

@@ -55,7 +55,7 @@ def _parsed(argv: list[str]) -> argparse.Namespace:
 
 
 def _refused(arguments: argparse.Namespace, code: int, faults: Sequence[str]) -> int:
-    """What stops a command before it has a result; with --json in one object on standard output, too."""
+    """Report what stops a command before it has a result; with --json also as one object on standard output."""
     for fault in faults:
         complain("conformance", fault)
     if getattr(arguments, "json", False):
@@ -64,9 +64,9 @@ def _refused(arguments: argparse.Namespace, code: int, faults: Sequence[str]) ->
 
 
 def _print_errors(suite: str, code: int, faults: Sequence[str]) -> None:
-    """Of the kind of a result, with `errors` and without cases."""
+    """A result with `errors` and without cases."""
     found = {"kind": KIND, "format": FORMAT, "suite": {"name": suite}, "exit": code, "errors": list(faults), "counts": {}, "cases": []}
-    with contextlib.suppress(OSError):  # standard output may be what failed
+    with contextlib.suppress(OSError):  # standard output may have failed
         print(json.dumps(found, ensure_ascii=False), flush=True)
 
 

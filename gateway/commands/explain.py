@@ -63,7 +63,7 @@ def main(argv: list[str]) -> int:
 
 
 def explain(key: str, cell: Cell | None, path: str | None, spoken: str = "en") -> list[Line]:
-    """What is known about a key; [] when nothing is."""
+    """What is known about a key; [] if nothing is."""
     last = key.rsplit(maxsplit=1)[-1:]
     numbered = errors_of(key) if last and number_of(last[0]) is not None else []
     if decided := re.fullmatch(r"[Aa][Xx]-?(\d{3,4})", key):

@@ -105,7 +105,7 @@ def _list(rows: list[Row], *, as_json: bool) -> int:
 
 
 def _test(console: IoConsole, rows: list[Row], ask: Ask, *, as_json: bool) -> int:
-    """Walks along; every output is given free again whatever happens."""
+    """Test the outputs in turn; release every output in any case."""
     if ask is not _nobody and ask(WARNING) != "yes":
         complain("io", "nothing was switched")
         return FINDING

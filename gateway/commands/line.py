@@ -163,7 +163,7 @@ def _operator(device: dict[str, dict[str, object]], language: str) -> None:
 
 
 def _device(arguments: argparse.Namespace) -> dict[str, dict[str, object]]:
-    """The device file; what it says of the link replaces options that were not given."""
+    """The device file; its link settings replace options that are not set."""
     if arguments.device is None:
         return {}
     try:
@@ -225,7 +225,7 @@ def run_diagnose(arguments: argparse.Namespace) -> int:
 
 
 def _shown(arguments: argparse.Namespace) -> Iterable[Finding]:
-    """What the partner shows, put in words."""
+    """The partner's behaviour, in words."""
     if arguments.anzw is not None:
         yield from anzw(_hex("--anzw", arguments.anzw, 0xFFFF))
     if arguments.pafe is not None:

@@ -116,12 +116,12 @@ def rows_of(cell: Cell) -> list[Row]:
 
 
 def _german(operand: str) -> str:
-    """I8.0 -> E 8.0, O3.2 -> A 3.2: what STEP 5 of the time reads."""
+    """I8.0 -> E 8.0, O3.2 -> A 3.2: the form of old STEP 5."""
     return f"{'E' if operand[0] == 'I' else 'A'} {operand[1:]}"
 
 
 def _whole(value: int) -> str:
-    """0 says nothing."""
+    """Empty for 0."""
     return str(value) if value else ""
 
 

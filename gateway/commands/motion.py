@@ -116,20 +116,20 @@ def files_of(path: str, blocks: Sequence[Block], cell: Cell | None) -> Files:
 
 
 def refuse(error: Exception) -> int:
-    """Said in one line."""
+    """Report in one line."""
     complain("motion", error)
     return Exit.INVALID
 
 
 @dataclass(frozen=True)
 class Belts:
-    """Of the cell the program is looked at in.  p5_ms: periods of the page in an interpolation cycle."""
+    """Belts of the cell in which the program is checked.  p5_ms: periods of the page in an interpolation cycle."""
 
     facts: tuple[BeltFacts, ...] = ()
     p5_ms: int = 1
 
     def speeds(self, given: float | None) -> tuple[float, ...]:
-        """m or rad per s: what is given for all, or each belt's own P508.  MotionError where a belt has none."""
+        """m or rad per s: one value for all, or each belt's own P508.  MotionError if a belt has none."""
         for belt in self.facts:
             if given is None and not belt.data.simulated:
                 raise MotionError(f"belt {belt.name} has no speed of its own (simulated = ..): give one with --belt-speed")
@@ -169,7 +169,7 @@ def team(text: str, options: argparse.Namespace, cell: Cell | None) -> int:
 
 
 def cell_facts_of(program: TeamProgram, machines: Team, cell: Cell | None) -> CellFacts:
-    """What of its cell the program is looked at with; MotionError where it names belts and no cell was named."""
+    """Facts of the cell in which the program is checked; MotionError if it names belts and no cell was named."""
     if cell is not None:
         numbers = numbers_by_axis(cell)
         own = [numbers.get(machine.limits[0].name, 1) for machine in machines.machines]
@@ -255,7 +255,7 @@ def _record(program: Program | TeamProgram, fault: BlockError) -> dict[str, obje
 
 
 def plot(program: Program, machine: Machine, made: Trace, options: argparse.Namespace) -> int:
-    """The page, and what it shows in a few numbers."""
+    """The page, and its content in a few numbers."""
     target = pathlib.Path(options.out or f"{pathlib.Path(options.program).stem}.html")
     target.write_text(page(program, machine, made))
     tops = _tops(machine, made)

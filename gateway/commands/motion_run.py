@@ -61,7 +61,7 @@ def _said(error: ToolError, code: int) -> int:
 
 
 def number_of(cell: Cell, word: str) -> int | None:
-    """Of a program by its number or its name."""
+    """Number of a program from its number or its name."""
     return next((each.number for each in cell.program if word in (str(each.number), each.name)), None)
 
 

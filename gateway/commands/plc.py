@@ -219,7 +219,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _start_of(name: str) -> str:
-    """The start program as the folder has it, from its name, file or path; as given where it lies elsewhere and START refuses it."""
+    """The start program as the folder has it, from its name, file or path; unchanged if it is elsewhere and START refuses it."""
     plain = name[: -len(SUFFIX)] if name.upper().endswith(SUFFIX) else name
     try:
         return start_in_folder(plain) if "/" in plain or "\\" in plain else plain
@@ -228,7 +228,7 @@ def _start_of(name: str) -> str:
 
 
 def refused_start(start: str, folder: pathlib.Path, programs: Collection[str]) -> str:
-    """What to do where the PLC did not start."""
+    """Remedy if the PLC did not start."""
     if start.upper() not in programs:
         return f"START is refused: {folder} has no program {start}; it has {', '.join(sorted(programs)) or 'none'}"
     return f"START is refused: correct {start}; all faults with their lines: axisgate plc check {folder}"

@@ -206,7 +206,7 @@ def _lost(client: ToolClient, run: object) -> list[object]:
 
 
 def _rest(client: ToolClient, cell: Cell) -> None:
-    """What a stopped program leaves is given up; a control that resumes keeps it for the next START."""
+    """Discard the rest of a stopped program; a control that resumes keeps it for the next START."""
     kept = cell.controller is not None and CONTROLLERS[cell.controller.kind].resumes
     rest = (Motion.IDLE, Motion.STOPPED) if kept else (Motion.IDLE,)
     end = time.monotonic() + 5.0

@@ -81,7 +81,7 @@ def _put(folder: pathlib.Path, options: argparse.Namespace) -> int:
 
 
 def _checked(folder: pathlib.Path, programs: list[str]) -> int:
-    """Faults of what was put there: it is kept, as on the control, and cannot run."""
+    """Faults of the stored program: it is kept, as on the control, but cannot run."""
     library, errors = Library(baps2_words(), folder_memory(folder)), 0
     for name in programs:
         _, faults = library.unit(name)

@@ -79,7 +79,7 @@ def _record(options: argparse.Namespace) -> int:
 
 
 def _writer(path: pathlib.Path, status: dict[str, Any], cell: Cell, rings: Rings) -> Writer:
-    """The head of the file: the cell with its files and their sums, what was in its store, its zeros."""
+    """The head of the file: the cell with its files and their checksums, the content of its store, its zeros."""
     with tempfile.TemporaryDirectory(prefix="axisgate-record-") as folder:
         zipped = pathlib.Path(folder, "cell.zip")
         manifest = make(cell, zipped)

@@ -152,7 +152,7 @@ def _listening(arguments: argparse.Namespace, cell: Cell) -> int:
 
 
 def _look_first(cell: Cell, bus: str | None, *, simulated: bool) -> None:
-    """Raises PortError where another master speaks on a drive bus; a port that is not there yet is listened to when it comes."""
+    """Raises PortError if another master is active on a drive bus; a missing port is checked when it appears."""
     for each in cell.bus:
         if each.protocol in DRIVE_PROTOCOLS and not simulated and (bus or each.port != "sim"):
             refuse_on(bus or each.port, each.protocol)
@@ -178,7 +178,7 @@ def why_not(cell: Cell, *, p5: int | None) -> str:
 
 
 def describe(plan: RunPlan) -> dict[str, object]:
-    """What would run, for scripts."""
+    """Describe the run, for scripts."""
     return {
         "name": plan.slug,
         "p5_ms": plan.p5_ms,

@@ -111,7 +111,7 @@ def _run(options: argparse.Namespace, cell: Cell) -> Iterator[str]:
 
 
 def _period(cell: Cell, run: str) -> float:
-    """Of the run, which may have been started with another clock than the cell's."""
+    """Period of the run, which may have been started with another clock than the cell's."""
     from gateway.runtime.supervisor_client import ask
 
     with ask(run, "status") as connection:

@@ -101,7 +101,7 @@ def _check(options: argparse.Namespace) -> int:
     root, folder, name = place_of(pathlib.Path(options.app), pathlib.Path(options.disk) if options.disk else None)
     axes = len(_robot(options).axes)
     loaded = Loader(read_disk(root), axes, family=family_of_arm(axes), strict=options.strict_priorities).load(folder, name)
-    assert loaded is not None  # the project file is there
+    assert loaded is not None  # the project file exists
     if options.json:
         print(json.dumps(loaded.faults.rows(), indent=1, ensure_ascii=False))
     else:
@@ -147,7 +147,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _start(text: str | None, robot: Robot) -> tuple[float, ...]:
-    """Joints at the start: as given, else 0 or the nearest position inside the travel."""
+    """Joints at the start: the given ones, else 0 or the nearest position inside the travel."""
     if text is None:
         return ()
     try:

@@ -24,7 +24,7 @@ CELLS = {"rx": "cs8", "rs": "scara"}  # family of arms -> shipped cell whose dri
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    """Of `axisgate val3 import`."""
+    """Arguments of `axisgate val3 import`."""
     parser.add_argument("card", metavar="CARD", type=pathlib.Path, help="copy of the flash card: the folder with usr in it, or its .zip")
     parser.add_argument("--application", metavar="NAME", help="application to run, if the card has several and none has autostart")
     parser.add_argument("--out", metavar="FILE", type=pathlib.Path, help="cell file to write, never overwritten (default NAME.toml)")
@@ -93,7 +93,7 @@ def applications(disk: Disk) -> list[Application]:
 
 
 def choose(apps: list[Application], disk: Disk, wanted: str) -> Application:
-    """The one that is named, else the only one with start() and stop() that no other one uses.  DiskUnreadable."""
+    """The named one, else the only one with start() and stop() that no other one uses.  DiskUnreadable."""
     if wanted:
         name = wanted.replace("\\", "/").rstrip("/").rpartition("/")[2].removesuffix(".pjx").lower()
         named = next((app for app in apps if app.name.lower() == name), None)

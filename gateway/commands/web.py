@@ -70,7 +70,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 def _password(piped: bool) -> str | None:
-    """From standard input, or asked for twice; None: the two differ."""
+    """From standard input, or typed twice; None: the two differ."""
     if piped:
         return sys.stdin.readline().rstrip("\r\n")
     first = getpass.getpass("password: ")

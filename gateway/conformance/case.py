@@ -1,4 +1,4 @@
-"""What a case of the probe is, and how the list is made."""
+"""A case of the probe, and the building of the list."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ Run = Callable[[Bench], None]
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One test: short name, group, what it asks, and the function that ends quietly (PASS) or by a Verdict."""
+    """One test: short name, group, question, and the function that ends silently (PASS) or by a Verdict."""
 
     name: str
     group: str

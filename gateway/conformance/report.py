@@ -110,7 +110,7 @@ def characters(notes: Notes) -> dict[str, int]:
 
 
 def wire_text(notes: Notes) -> str:
-    """What was on the line, in order of time: > tester, < station."""
+    """The traffic on the line, in order of time: > tester, < station."""
     parts, last = [], ""
     for _, who, what in sorted(notes.wire, key=lambda entry: entry[0]):
         if who != last:
@@ -163,7 +163,7 @@ def _facts(report: Mapping[str, object], word: Callable[..., str]) -> Iterator[t
 
 
 def _faults(tests: Sequence[Mapping[str, object]], word: Callable[..., str]) -> str:
-    """What a reader looks for first."""
+    """The faults a reader looks for first."""
     lines = [
         f"<li><b>{_e(test['name'])}</b> <span style='color:{COLOURS[str(test['verdict'])]}'>{word(str(test['verdict']))}</span>: "
         f"{_e(test['reason'])} <small>({_e(test['title'])})</small>"

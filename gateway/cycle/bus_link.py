@@ -1,4 +1,4 @@
-"""One drive bus of the cycle: its port, the family of drives on it, and what leaves and comes in a cycle."""
+"""One drive bus of the cycle: its port, the family of drives on it, and the frames of a cycle."""
 
 from collections import deque
 from collections.abc import Sequence

@@ -67,7 +67,7 @@ class Emergencies:
         self._report(Emergency(code, int(self.register), detail[:5].ljust(5, b"\0")), now)
 
     def clear(self, codes: list[int], now: Ns) -> None:
-        """These are gone: code 0 once, with what is left in the register (CiA 301, 7.2.7.1)."""
+        """These errors are gone: code 0 once, with the remaining bits of the register (CiA 301, 7.2.7.1)."""
         gone = [code for code in codes if self.active.pop(code, None) is not None]
         if gone:
             self._report(Emergency(0, int(self.register)), now)
@@ -176,7 +176,7 @@ class LifeSigns:
     def __init__(self, objects: Objects) -> None:
         self._objects = objects
         self.beat_due: Ns = NEVER
-        self.life_due: Ns = NEVER  # end of the life time: who guards the node is gone
+        self.life_due: Ns = NEVER  # end of the life time: the guarding master is gone
         self.toggle = False
 
     @property
@@ -197,7 +197,7 @@ class LifeSigns:
         return nmt.heartbeat(number, state)
 
     def guarded(self, number: int, state: State, now: Ns) -> Frame:
-        """The answer to who guards the node; its life time begins anew."""
+        """The answer to the guarding master; its life time restarts."""
         answer = Frame(cobid.heartbeat(number), bytes((state | nmt.TOGGLE * self.toggle,)))
         self.toggle = not self.toggle
         life = self._objects.whole((GUARD_TIME, 0)) * self._objects.whole((LIFE_FACTOR, 0)) * 1_000_000

@@ -34,7 +34,7 @@ class LssSlave:
         return self.active
 
     def power_on(self) -> None:
-        """The stored number and rate come back."""
+        """The stored number and rate are restored."""
         self.pending, self.bit_rate_index = self.stored, self.stored_rate_index
 
     def handle(self, data: bytes) -> list[Frame]:

@@ -34,11 +34,11 @@ class Application(Protocol):
     """The device that uses the communication."""
 
     def advance(self, now: Ns) -> None: ...  # everything up to now has happened
-    def sample(self, now: Ns) -> None: ...  # SYNC: latch what is to be sent
+    def sample(self, now: Ns) -> None: ...  # SYNC: latch the values to be sent
     def activate(self, now: Ns) -> None: ...  # SYNC: synchronous set values have been taken over
     def connection_lost(self, now: Ns) -> None: ...  # abort connection option code 6007h
     def reset(self, now: Ns) -> None: ...  # NMT reset node
-    def changed(self) -> bool: ...  # something changed that an event-driven TPDO sends; asked once, then forgotten
+    def changed(self) -> bool: ...  # whether a value of an event-driven TPDO has changed since the last call
 
 
 @dataclass(slots=True)
@@ -301,7 +301,7 @@ class CanopenNode:
         self.events(now)
 
     def _asked(self, tpdo: Tpdo) -> Handler:
-        """A remote frame asks for a TPDO."""
+        """A remote frame requests a TPDO."""
 
         def handle(frame: Frame, now: Ns) -> None:
             if self.state is not State.OPERATIONAL:

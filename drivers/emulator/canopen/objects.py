@@ -111,7 +111,7 @@ class Objects:
     # -- store and restore ----------------------------------------------------------------------
 
     def reset(self, node: int, application: bool) -> None:
-        """After a reset: stored values where there are any, else defaults; communication objects alone unless `application`."""
+        """After a reset: stored values if any, else defaults; communication objects alone unless `application`."""
         self.node = node
         for entry in self.dictionary:
             communication = entry.index < 0x2000

@@ -1,6 +1,6 @@
 """PDOs of an emulated device: dynamic mapping with its rules, transmission types, inhibit and event timers.
 
-Source: CiA 301, 7.2.2 and objects 1400h.., 1600h.., 1800h.., 1A00h..; what CiA 301 leaves open: AX-282, AX-283.
+Source: CiA 301, 7.2.2 and objects 1400h.., 1600h.., 1800h.., 1A00h..; choices where CiA 301 is open: AX-282, AX-283.
 """
 
 import struct
@@ -79,7 +79,7 @@ def _value(kind: DataType, raw: int, bits: int) -> Value:
 
 
 class Pdo:
-    """What RPDO and TPDO share: the two objects and the rules for changing them."""
+    """Common to RPDO and TPDO: the two objects and the rules for changing them."""
 
     def __init__(self, objects: Objects, communication: int, mapping: int, receives: bool, changed: Callable[[], None]) -> None:
         self.objects, self.com, self.map = objects, communication, mapping
@@ -118,7 +118,7 @@ class Pdo:
         self._changed()
 
     def _load_own(self) -> None:
-        """What only one direction has."""
+        """Load the parameters of one direction."""
 
     @property
     def _exists(self) -> bool:
@@ -189,7 +189,7 @@ class Rpdo(Pdo):
         self.takers = [self._taker(key) for key in self.mapping.keys]
 
     def _taker(self, key: Key) -> Callable[[Value], None]:
-        """What stores one value; out of the entry's limits it is left aside (AX-283)."""
+        """The function that stores one value; a value outside the entry's limits is ignored (AX-283)."""
         objects = self.objects
         entry, values, written = objects.dictionary.entries.get(key), objects.values, objects.written.get(key)
         if entry is None:
@@ -231,7 +231,7 @@ class Tpdo(Pdo):
         self.inhibit_ns = self.event_ns = 0
         self.free_at: Ns = 0  # end of the inhibit time
         self.due: Ns = NEVER  # event timer
-        self.sampled: bytes | None = None  # type 252: what the last SYNC saw
+        self.sampled: bytes | None = None  # type 252: the value at the last SYNC
         self.start_at = 0
         self.rtr = False
         super().__init__(objects, pdo.TPDO_COMMUNICATION + number, pdo.TPDO_MAPPING + number, False, changed)
@@ -264,7 +264,7 @@ class Tpdo(Pdo):
         return self.type >= pdo.EVENT_MANUFACTURER
 
     def on_sync(self, counter: int | None) -> bytes | None:
-        """What is to be sent with this SYNC."""
+        """PDOs due with this SYNC."""
         if self.type == pdo.RTR_SYNC:
             self.sampled = self.read()
             return None

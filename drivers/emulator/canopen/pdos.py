@@ -1,4 +1,4 @@
-"""All PDOs of an emulated device, by what makes them act: SYNC, an event or the end of a time.  Source: CiA 301, 7.2.2."""
+"""All PDOs of an emulated device, by their trigger: SYNC, an event or the end of a time.  Source: CiA 301, 7.2.2."""
 
 from collections.abc import Callable
 
@@ -67,7 +67,7 @@ class Pdos:
             tpdo.due = NEVER
 
     def power_down(self) -> None:
-        """Nothing is sent any more, so nothing may stay due: time would not go on."""
+        """Nothing is sent any more, so nothing may stay due: otherwise time would not advance."""
         self.by_event = []
         for item in self.received:
             item.due = NEVER

@@ -112,7 +112,7 @@ class SdoServer:
         return [sdo.initiate(Answer.INITIATE_DOWNLOAD, key)]
 
     def _download_refused(self, key: Key, size: int | None) -> int:
-        """What is known to be wrong before any data came."""
+        """Check what is known before any data arrive."""
         entry = self._objects.dictionary.entries.get(key)
         if entry is None:
             return self._objects.missing(key)
@@ -184,7 +184,7 @@ class SdoServer:
         return [sdo.short(Answer.BLOCK_DOWNLOAD, sdo.CRC_SUPPORT, *request[1:4], self._block)]
 
     def _block_segment(self, segment: bytes) -> list[bytes]:
-        """Segments out of order are passed over; the acknowledgement says where to go on."""
+        """Segments out of order are skipped; the acknowledgement names where to continue."""
         number, final = segment[0] & ~sdo.FINAL_SEGMENT, bool(segment[0] & sdo.FINAL_SEGMENT)
         if number == 0 or number > self._block:
             return self._abort(Abort.SEQUENCE)

@@ -1,7 +1,7 @@
 """One CiA 402 servo drive: power states, options, brake, limits, supervision and faults around the servo model.
 
-Source: CiA 402-2 and 402-3 (IEC 61800-7-201); what they leave open: AX-285..AX-290.  Never imports the gateway's side.
-Time is counted in steps of the model from the bus' first stamp; `advance` first, then look or act.
+Source: CiA 402-2 and 402-3 (IEC 61800-7-201); choices where they are open: AX-285..AX-290.  Never imports the gateway's side.
+Time is counted in steps of the model from the bus' first stamp; call `advance` before reading or acting.
 """
 
 from drivers.emulator.canopen.node import CanopenNode

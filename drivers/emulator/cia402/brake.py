@@ -13,7 +13,7 @@ class DriveStop:
 
     active: bool = False
     after: State | None = None
-    by: int = NEVER  # the step at which torque goes off all the same
+    by: int = NEVER  # the step at which torque is switched off in any case
 
     @property
     def leads_out(self) -> bool:
@@ -32,7 +32,7 @@ class DriveBrake:
         self.stuck = False  # it does not open (mechanically), whatever is commanded
         self.due = NEVER
         self.opening = self.closing = False
-        self._opens = False  # what it was commanded to do last
+        self._opens = False  # the last command
 
     def nothing_waits(self) -> None:
         self.opening = self.closing = False

@@ -28,6 +28,6 @@ class DelayedFrames:
         return taken
 
     def clear(self) -> None:
-        """The port is gone."""
+        """The port is lost."""
         self._waiting.clear()
         self.due = NEVER

@@ -61,7 +61,7 @@ CAUSES: Mapping[str, Error] = {
 
 @dataclass(slots=True)
 class Surroundings:
-    """What the drive cannot change: operation at its own panel (`local`), faults whose cause is present."""
+    """Conditions outside the drive: operation at its own panel (`local`), faults whose cause is present."""
 
     local: bool = False
     causes: set[Error] = field(default_factory=set)

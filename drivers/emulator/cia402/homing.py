@@ -24,7 +24,7 @@ class Method:
 
     @property
     def rising(self) -> bool:
-        """The wanted edge, as seen in direction `final`: the switch comes on."""
+        """The wanted edge: in direction `final` the switch turns on."""
         return self.side == -self.final
 
 

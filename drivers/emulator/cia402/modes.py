@@ -1,7 +1,7 @@
 """Modes of operation of the emulated CiA 402 drive: PP, PV, HM, IP, CSP, CSV, CST.
 
-Source: CiA 402-2/-3 (IEC 61800-7-201), chapters of the modes.  A mode asks its drive for motion; power, brake, limits and faults are the
-drive's.  Positions are the user's increments (6064h), speeds inc/s; `tick` comes every millisecond while `busy`.
+Source: CiA 402-2/-3 (IEC 61800-7-201), chapters of the modes.  A mode requests motion from its drive; power, brake, limits and faults
+belong to the drive.  Positions are the user's increments (6064h), speeds inc/s; `tick` is called every millisecond while `busy`.
 """
 
 from typing import ClassVar, Protocol
@@ -22,7 +22,7 @@ LEAST = 1e-9  # inc/s2: a deceleration of 0 would never end
 
 
 class Drive(Protocol):
-    """What a mode may ask of the drive."""
+    """What a mode may request from the drive."""
 
     objects: Objects
     servo: DriveServo
@@ -170,7 +170,7 @@ class ProfilePosition(Mode):
             self._acknowledged = False
 
     def _settle(self) -> None:
-        """Target reached: inside the window for as long as 6068h says."""
+        """Target reached: inside the window for the time of 6068h."""
         inside = abs(self._goal - self.drive.position) <= self.value(od.POSITION_WINDOW)
         self._in_window_ms = self._in_window_ms + 1 if inside else 0
         if inside and self._in_window_ms > self.value(od.POSITION_TIME):

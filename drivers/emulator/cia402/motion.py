@@ -1,4 +1,4 @@
-"""What an emulated CiA 402 drive does to its axis when the mode asks: follow, limits, switches, windows, times.
+"""Motion of an emulated CiA 402 drive as its mode requests: following, limits, switches, windows, times.
 
 The power stage around it is cia402_axis.
 """
@@ -49,14 +49,14 @@ class DriveMotion(DriveView):
         self.watch_switches()
 
     def _window(self) -> None:
-        """Following error is watched in position control with power, unless the object says no."""
+        """Following error is supervised in position control with power, unless the object switches that off."""
         window = self.value(od.FOLLOWING_WINDOW)
         on = self.state is State.ENABLED and self.mode.follows and not self.stop.active and window != 0xFFFFFFFF
         self.servo.following_window(float(window) if on and self._follow_since is None else inf)
         if not on:
             self._follow_since = None
 
-    # -- motion, asked for by the mode ------------------------------------------------------------
+    # -- motion, requested by the mode ------------------------------------------------------------
 
     def follow(self, position: float, duration_ns: int, speed: float) -> None:
         """To this position in this time; INTEGER32 set values count on through their wrap."""

@@ -40,7 +40,7 @@ SERIAL = (0x1018, 4)
 SYNC_TOLERANCE, SYNC_FAULTS, SYNC_ERROR, SYNC_WORST, SYNC_LOCKED, SYNC_OUTSIDE = tuple((0x2001, sub) for sub in range(1, 7))
 WINDING_TEMPERATURE, LOAD_LEVEL, REFERENCED, CLEAR_COUNTERS = _whole(0x2003), _whole(0x2004), _whole(0x2005), _whole(0x2010)
 
-WITHOUT_DATA_SHEET: Mapping[Key, int] = {  # what a drive does whose EDS lacks an object; nobody can read or write it then
+WITHOUT_DATA_SHEET: Mapping[Key, int] = {  # behaviour of a drive whose EDS lacks an object; it cannot be read or written then
     ABORT_CONNECTION: 1,
     ERROR_CODE: 0,
     CONTROLWORD: 0,

@@ -1,4 +1,4 @@
-"""What a tester may do to one emulated CiA 402 drive from outside: causes of faults, encoder, brake, supply."""
+"""Interventions of a tester at one emulated CiA 402 drive: causes of faults, encoder, brake, supply."""
 
 from drivers.emulator.cia402.axis import Cia402Axis
 from drivers.emulator.cia402.errors import Error
@@ -45,7 +45,7 @@ class OrderedAxis(Cia402Axis):
         self._schedule()
 
     def power_on(self) -> None:
-        """The counter knows what its encoder knows; homing is lost unless the encoder keeps its turns."""
+        """The counter shows what its encoder stores; homing is lost unless the encoder keeps its turns."""
         self.servo.power_up()
         if not self.settings.multiturn_turns:
             self.place.forget()

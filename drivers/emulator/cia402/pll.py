@@ -6,7 +6,7 @@ Real drives permit from 50 us of jitter (Parker Compax3 manual, p. 323) to a mis
 from protocols.base.machine import Ns
 
 LOCK_COUNT = 5  # SYNCs in a row, each in time after the one before, until the loop judges
-LOCK_TRIES = 20  # SYNCs after which it judges all the same
+LOCK_TRIES = 20  # SYNCs after which it judges in any case
 GAIN_SHIFT = 2  # a quarter of the phase error is taken over at each SYNC
 
 

@@ -13,7 +13,7 @@ class UserPosition:
         self.rest_ns = 0  # since the last full step of the model
         self.shift = 0
         self.homed = False
-        self._counter: int | None = None  # of this instant, once it was asked for
+        self._counter: int | None = None  # of this instant, once it was read
 
     def at(self, rest_ns: int) -> None:
         """Time has passed."""
@@ -35,7 +35,7 @@ class UserPosition:
         self.shift, self.homed = offset - counter, True
 
     def forget(self) -> None:
-        """Its encoder does not know any more."""
+        """Its encoder loses its position."""
         self.homed, self.shift = False, 0
 
 

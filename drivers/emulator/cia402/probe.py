@@ -40,7 +40,7 @@ class TouchProbe:
         return any(probe.function & ENABLE and probe.function & SOURCE == INDEX_SOURCE for probe in self._probes)
 
     def arm(self, function: int) -> None:
-        """60B8h was written: a probe that is enabled anew, or whose edges are chosen anew, forgets what it had."""
+        """Evaluate a write to 60B8h: a probe that is enabled again, or whose edges are selected again, discards its captures."""
         for probe, shift in zip(self._probes, _SHIFTS, strict=True):
             wanted, before = function >> shift & 0xFF, probe.function
             probe.function = wanted

@@ -1,6 +1,6 @@
 """Set values in steps of time: a trapezoid to a target, a ramp to a speed.  Pure arithmetic, increments and seconds.
 
-The target may change at any step: the generator only knows where it is, how fast, and what it may do (CiA 402 "change set immediately").
+The target may change at any step: the generator only knows its position, its speed and its limits (CiA 402 "change set immediately").
 """
 
 from math import sqrt

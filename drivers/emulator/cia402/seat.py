@@ -1,4 +1,4 @@
-"""One node on its emulated bus: its device, its drive, and what the bus does with its frames."""
+"""One node on its emulated bus: its device, its drive, and the bus' effect on its frames."""
 
 from dataclasses import dataclass
 
@@ -24,14 +24,14 @@ class Counters:
     frames: int = 0  # that some node listens to
     syncs: int = 0
     out_of_order: int = 0
-    late: int = 0  # SYNCs handed in more than a cycle after their stamp
+    late: int = 0  # SYNCs passed in more than a cycle after their stamp
     dropped: int = 0  # telegrams swallowed to order
     error_frames: int = 0
 
 
 @dataclass(slots=True)
 class Seat:
-    """One node of the bus and what the bus does with its frames."""
+    """One node of the bus and the bus' effect on its frames."""
 
     number: int  # in the settings; its node number may be changed by LSS
     node: CanopenNode
@@ -44,7 +44,7 @@ class Seat:
     bus_off: bool = False  # with the complete interface: the next frame received ends it
 
     def seen(self) -> dict[str, object]:
-        """What a tester wants to see of it, as plain JSON values."""
+        """State of the node for a tester, as plain JSON values."""
         axis, servo = self.axis, self.axis.servo
         return {
             "node": self.node.number,

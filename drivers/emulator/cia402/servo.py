@@ -32,7 +32,7 @@ class DriveServo(Servo):
             s[KO] = self.settings.resolver_offset_inc - (place + span / 2.0) // span * span
 
     def limit_torque(self, torque_nm: float) -> None:
-        """Never above what motor and amplifier can."""
+        """At most the limit of motor and amplifier."""
         self._torque_limit = min(torque_nm, self.settings.torque_limit_nm)
         self._constant(_TORQUE_MAX, self._torque_limit)
 

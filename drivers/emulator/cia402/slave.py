@@ -1,8 +1,8 @@
 """Emulated CiA 402 drives on one bus, in bus time: the stamps of the frames are the only clock.
 
-The same stamped frames and seed give the same answers bit for bit, however the frames are cut into calls (see servodyn_slave, whose rules
-about `now` and grace hold here too).  Unlike boosters these drives send on their own (boot-up, heartbeat, profiles): time begins with the
-first `wake` or frame, and `deadline` is 0 until then.
+The same stamped frames and seed produce the same answers bit for bit, however the frames are divided among calls (see servodyn_slave, whose
+rules about `now` and grace apply here too).  Unlike boosters these drives send on their own (boot-up, heartbeat, profiles): time begins
+with the first `wake` or frame, and `deadline` is 0 until then.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -25,10 +25,10 @@ from protocols.canopen.sdo import Abort
 
 
 class Cia402Slave:
-    """A FrameMachine.  Never raises on what comes from the bus."""
+    """A FrameMachine.  Never raises on frames of the bus."""
 
     def __init__(self, settings: BusSettings, dictionaries: Mapping[int, ObjectDictionary], substeps: int = 1) -> None:
-        """`dictionaries` by node: what the EDS of its settings says."""
+        """`dictionaries` by node: from the EDS of its settings."""
         self.settings, self.counters = settings, Counters()
         self.cycle_ns = round(settings.cycle_ms * 1e6)
         self.grace_ns = max(ms(1), self.cycle_ns // 4)
@@ -95,7 +95,7 @@ class Cia402Slave:
         return []
 
     def wake(self, now: Ns) -> list[Event]:
-        """Handles what has expired by bus time `now`."""
+        """Handle what has expired by bus time `now`."""
         if self._start is None:
             self._begin(now)
         if now >= self._soonest:
@@ -111,7 +111,7 @@ class Cia402Slave:
         return output
 
     def lost(self, now: Ns) -> list[Event]:
-        """The port is gone: pending output is dropped; the drives run on and miss their master."""
+        """The port is lost: pending output is dropped; the drives keep running without their master."""
         self._output.clear()
         self._delayed.clear()
         return []
@@ -144,7 +144,7 @@ class Cia402Slave:
 
     def _expire(self, now: Ns) -> None:
         while (due := self._soonest) <= now:
-            due = self._time = max(self._time, due)  # what was ordered for "at once" (0) acts now, not in the past
+            due = self._time = max(self._time, due)  # an order for "at once" (0) acts now, not in the past
             for seat in self.seats:
                 if seat.node.soonest <= due:
                     self._act(seat, due)
@@ -162,7 +162,7 @@ class Cia402Slave:
         self._collect(seat, due)
 
     def _handled(self, seat: Seat, stamp: Ns) -> None:
-        """After a frame for one node; what was due before stays noted, so that this costs the same with many nodes."""
+        """After a frame for one node; earlier due times stay noted, so that the effort does not grow with the number of nodes."""
         if seat.node.accepted.changed:
             self._route()
         if self._row_due == NEVER:
@@ -219,7 +219,7 @@ class Cia402Slave:
         self._collect(seat, stamp)
 
     def _synced(self, stamp: Ns, now: Ns) -> None:
-        """The record's row of this SYNC: what all drives latched."""
+        """The record's row of this SYNC: the values all drives latched."""
         self.counters.syncs += 1
         self.counters.late += now - stamp > self.cycle_ns
         rows = []
@@ -236,7 +236,7 @@ class Cia402Slave:
         self._rows += record.pack(stamp, self.counters.syncs, rows)
 
     def _collect(self, seat: Seat, stamp: Ns) -> None:
-        """Takes what the node says, and plans when it acts next."""
+        """Read the node's output, and plan its next action."""
         node = seat.node
         output = node.output
         if output:
@@ -291,7 +291,7 @@ class Cia402Slave:
         raise KeyError(f"node {number} is not on this bus; there are {[seat.number for seat in self.seats]}")
 
     def state(self) -> dict[str, object]:
-        """What a tester wants to see, as plain JSON values."""
+        """State for a tester, as plain JSON values."""
         nodes = {str(seat.number): seat.seen() for seat in self.seats}
         return {"bus_time_ns": self._time, "counters": asdict(self.counters), "nodes": nodes}
 

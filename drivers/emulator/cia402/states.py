@@ -22,7 +22,7 @@ class State(IntEnum):
 
 
 class Command(Enum):
-    """What bits 0..3 and 7 of the controlword ask for; fault reset is an edge and is judged separately."""
+    """The command in bits 0..3 and 7 of the controlword; fault reset is an edge and is judged separately."""
 
     NONE = auto()
     SHUTDOWN = auto()

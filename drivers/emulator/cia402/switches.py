@@ -1,6 +1,6 @@
 """Switches, index pulse and probe inputs along the shaft: where they act, and which edges were crossed.
 
-Every edge has an exact place, so what is captured there (homing, touch probe) does not depend on how the time was cut into steps.
+Every edge has an exact place, so a position captured there (homing, touch probe) does not depend on how the time is divided into steps.
 """
 
 from collections.abc import Sequence
@@ -94,7 +94,7 @@ class Switches:
 
 
 def _counter(servo: DriveServo, shaft_rad: float) -> int:
-    """What the counter shows there."""
+    """The counter at that position."""
     return int((servo.counter_inc + (shaft_rad - servo.position_rad) * servo.slope) // 1.0)
 
 

@@ -1,6 +1,6 @@
-"""What an emulated CiA 402 drive shows: its objects, positions, statusword, row of the record.
+"""Read-only view of an emulated CiA 402 drive: its objects, positions, statusword, row of the record.
 
-The part that acts is cia402_axis; nothing here changes anything.
+The active part is cia402_axis; nothing here changes anything.
 """
 
 from math import inf, pi
@@ -31,7 +31,7 @@ def wrap(value: float) -> int:
 
 
 class DriveView:
-    """The drive's parts and what can be seen of them."""
+    """The drive's parts and their visible values."""
 
     mode: Mode
     new_set: bool  # a controlword came since the last SYNC
@@ -56,7 +56,7 @@ class DriveView:
     # -- objects --------------------------------------------------------------------------------
 
     def _factory(self) -> None:
-        """What the data sheet of this very motor says."""
+        """The data sheet's value for this particular motor."""
         s, factory = self.settings.servo, self.objects.factory
         rpm, top = s.speed_limit_rad_s * 30.0 / pi, s.speed_limit_rad_s * INC_PER_RAD
         factory |= {

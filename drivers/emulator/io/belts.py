@@ -32,7 +32,7 @@ class EmulatedBelt:
         self.now = self.speed
 
     def run(self, seconds: float) -> None:
-        """So much later."""
+        """Advance by so much time."""
         ramp = min(abs(self.speed - self.now) / self.accel, seconds)
         end = self.now + math.copysign(self.accel * ramp, self.speed - self.now)
         self.place += 0.5 * (self.now + end) * ramp

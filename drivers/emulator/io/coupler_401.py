@@ -30,7 +30,7 @@ class Terminals:
 
     @property
     def outputs(self) -> bytes:
-        """What the terminals carry."""
+        """Levels of the terminals."""
         return bytes(self._objects.whole((OUTPUTS, sub)) for sub in range(1, OCTETS + 1))
 
     def wire(self, channel: int, level: bool | None) -> None:
@@ -99,7 +99,7 @@ class Couplers:
         self._output: list[Frame] = []
 
     def receive(self, frames: Sequence[Frame], now: Ns) -> None:
-        """Frames of the bus; others' say nothing here."""
+        """Frames of the bus; those for others have no effect here."""
         for frame in frames:
             stamp = frame.stamp_ns or now
             self.wake(stamp)
@@ -117,7 +117,7 @@ class Couplers:
         """The device does not depend on it."""
 
     def wake(self, now: Ns) -> None:
-        """Handles what has expired by bus time `now`."""
+        """Handle what has expired by bus time `now`."""
         if not self._begun:
             self._begun = True
             for node in self.nodes.values():

@@ -1,7 +1,7 @@
-"""Digital I/O modules of a CAN bus, emulated: each SYNC is answered with all input blocks; a coupled control answers our outputs.
+"""Emulated digital I/O modules of a CAN bus: they answer each SYNC with all input blocks; a coupled control answers our outputs.
 
-Without wiring of their own the inputs show what the outputs of the same number carry (block 1 of the inputs block 1 of the outputs, and so
-on): so a cell that is tried shows life.  Identifiers: rho 3 Releases part 5, 6.11-6.12 (L7433, L7449); 471..480 as input: part 8, 11.1.
+Without wiring of their own the inputs follow the outputs of the same number (block 1 of the inputs block 1 of the outputs, and so
+on): so a cell under trial shows activity.  Identifiers: rho 3 Releases part 5, 6.11-6.12 (L7433, L7449); 471..480 as input: part 8, 11.1.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ COUPLING = range(471, 481)
 
 
 class IoModules:
-    """`receive` what the control sends; the answer are the frames the modules send."""
+    """`receive` frames of the control; returns the frames of the modules."""
 
     def __init__(self, inputs: Mapping[int, int], outputs: Sequence[int]) -> None:
         """`inputs`: identifier -> bytes; `outputs`: identifiers the control sends, both in the order of P31 and P32."""

@@ -163,13 +163,13 @@ def run(s: list[float], c: tuple[float, ...], step: int, n: int, substeps: int) 
 
 
 class Steps(Protocol):
-    """What `run` does."""
+    """Signature of `run`."""
 
     def __call__(self, s: list[float], c: tuple[float, ...], step: int, n: int, substeps: int, /) -> tuple[int, int]: ...
 
 
 class Servo:
-    """The state of one axis and what may be done to it.  `step` counts from power-up of the bus."""
+    """The state of one axis and the interventions at it.  `step` counts from power-up of the bus."""
 
     steps: ClassVar[Steps] = staticmethod(run)  # or the same in C (AX-1020)
 
@@ -248,7 +248,7 @@ class Servo:
         return position, int((position * s[KS] + s[KO]) // 1.0)
 
     def demand_inc(self, rest_ns: int) -> float:
-        """What the fine interpolator asks for, `rest_ns` after the last step."""
+        """Set position of the fine interpolator, `rest_ns` after the last step."""
         s = self._state
         left = s[LEFT] - self._ticks(rest_ns)
         return s[GOAL] - s[RATE] * left if left > 0.0 else s[GOAL]

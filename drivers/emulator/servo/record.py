@@ -1,12 +1,12 @@
-"""The emulator's own record: what every axis really did, written by a side without influence on it (the witness of the figures).
+"""The emulator's own record: the true motion of every axis, written by a side without influence on it (the witness of the figures).
 
 File: one header line of JSON ending in a newline, then rows of fixed size, little endian, without padding: int64 bus stamp ns, uint32
 number of the SYNC, then for each axis of the header's "axes" in order: int32 position_inc (latched), int32 set_inc, float64
 position_rad, float64 speed_rad_s, float64 torque_nm, uint8 state, uint8 fault, uint16 flags.
 
-`set_inc` is where the set values ask the axis to be at this SYNC: the value the previous SYNC activated, reached by interpolation.  So
-the lag of a row is set_inc - position_inc (int32, wraps).  Rows come once per SYNC; while SYNC is lost and anything still moves they
-come every P5 with the last SYNC's number and the flag NO_SYNC.  A row cut short by the death of the writer is left out by `read`.
+`set_inc` is the demanded position of the axis at this SYNC: the value the previous SYNC activated, reached by interpolation.  So
+the lag of a row is set_inc - position_inc (int32, wraps).  There is one row per SYNC; while SYNC is lost and anything still moves there is
+one every P5 with the last SYNC's number and the flag NO_SYNC.  A row cut short by the death of the writer is left out by `read`.
 """
 
 import json

@@ -1,11 +1,11 @@
-"""What an emulated servo axis is made of.  All values refer to the motor shaft, in SI units (rad, Nm, kg m2, s).
+"""Parameters of an emulated servo axis.  All values refer to the motor shaft, in SI units (rad, Nm, kg m2, s).
 
 A gear, a spindle or an axis direction is the caller's arithmetic: reflect inertia, friction and gravity to the motor shaft first.
-The defaults are a believable 1.9 kW axis with a resolver of 16384 increments a turn (AX-084); none of them is measured on a machine.
+The defaults are a plausible 1.9 kW axis with a resolver of 16384 increments a turn (AX-084); none of them is measured on a machine.
 
-As a plain dict (and so as JSON): {"cycle_ms": 4.0, "seed": 1, "axes": {"1": {field: value, ...}, "3": {}}}; a field that is not named
-has its default, an unknown one is an error.  The keys of "axes" are the SERVODYN modules 1..6 on the bus; "nodes" are CiA 402 drives by
-their node numbers 1..127, with the fields of ServoSettings and those of DriveSettings in one table: {"nodes": {"5": {"serial": 17}}}.
+As a plain dict (and so as JSON): {"cycle_ms": 4.0, "seed": 1, "axes": {"1": {field: value, ...}, "3": {}}}; a missing field has its
+default, an unknown one is an error.  The keys of "axes" are the SERVODYN modules 1..6 on the bus; "nodes" are CiA 402 drives by their node
+numbers 1..127, with the fields of ServoSettings and those of DriveSettings in one table: {"nodes": {"5": {"serial": 17}}}.
 """
 
 from collections.abc import Callable, Mapping

@@ -88,7 +88,7 @@ class ServodynAxis:
         self.state, self.fault_code = State.BOOTING, 0
         self.brake, self.travel, self.commanded = BoosterBrake(), BoosterTravel(), Commanded()
         self.bus_lost = False  # warning only: SYNC went while no power was on
-        self.faulted_at: list[tuple[int, ActualValue]] = []  # (step, what the axis says about it), to be taken by the bus
+        self.faulted_at: list[tuple[int, ActualValue]] = []  # (step, actual value that reports it), to be read by the bus
         self._due, self._stop_by = steps(settings.boot_s), NEVER
         self.causes: set[Fault] = set()  # faults that stay active until their cause is gone
         self._latched = int(self.servo.counter_inc // 1.0)
@@ -358,7 +358,7 @@ class ServodynAxis:
         self._look_around()
 
     def cause(self, fault: Fault, present: bool) -> None:
-        """A fault whose cause remains until it is removed; a reset has no effect meanwhile."""
+        """A fault whose cause remains until it is removed; until then a reset has no effect."""
         if not present:
             self.causes.discard(fault)
             return
@@ -375,7 +375,7 @@ class ServodynAxis:
         self._look_around()
 
     def power_off(self) -> None:
-        """The booster's supply is gone: silent, no torque, the brake falls; the shaft runs out."""
+        """The booster loses its supply: silent, no torque, the brake closes; the shaft coasts."""
         self.servo.off()
         self.state, self.fault_code, self._due = State.OFFLINE, 0, NEVER
         self._command_brake(False)

@@ -5,13 +5,13 @@ from drivers.emulator.servo.settings import ServoSettings
 
 
 class BoosterBrake:
-    """`due` is the step at which it has moved; the booster then asks `moved`."""
+    """`due` is the step at which it has moved; the booster then calls `moved`."""
 
     def __init__(self) -> None:
         self.is_open = False
         self.due = NEVER
         self.stuck = False  # it does not open any more
-        self._opens = False  # what it was commanded to do last
+        self._opens = False  # the last command
 
     def command(self, open_it: bool, step: int, settings: ServoSettings, *, waited_for: bool) -> None:
         """Move the brake, at this step; `waited_for`: the state changes when the brake has moved, at once if it is already in position."""

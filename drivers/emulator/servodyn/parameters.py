@@ -19,7 +19,7 @@ INC = {1: 1, 2: 2, 3: 4}  # position scaling -> resolver increments for one of t
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What a parameter may be."""
+    """Permitted values of a parameter."""
 
     kind: type
     low: float
@@ -46,7 +46,7 @@ RULES: Mapping[int, Rule] = {
 
 @dataclass
 class ParameterStore:
-    """The parameters of one booster: in RAM until the supply goes, in EEPROM what was sent while number 1 was TRUE."""
+    """The parameters of one booster: in RAM until the supply fails, in EEPROM those sent while number 1 was TRUE."""
 
     factory: ServoSettings
     eeprom: dict[int, Value] = field(default_factory=dict)

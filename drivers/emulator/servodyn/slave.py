@@ -47,7 +47,7 @@ class Counters:
     set_values: int = 0
     undecodable: int = 0  # set values of wrong length or range
     out_of_order: int = 0  # stamps before one already handled: taken as that one
-    late: int = 0  # SYNCs handed in more than P5 after their stamp: integrated in catch-up
+    late: int = 0  # SYNCs passed in more than P5 after their stamp: the integration catches up
     sync_losses: int = 0
     dropped: int = 0  # telegrams swallowed to order
     error_frames: int = 0
@@ -55,7 +55,7 @@ class Counters:
 
 @dataclass(slots=True)
 class _Seat:
-    """One module of the bus: the axis and what the bus knows about it."""
+    """One module of the bus: the axis and its state on the bus."""
 
     number: int
     axis: ServodynAxis
@@ -68,7 +68,7 @@ class _Seat:
 
 @dataclass(slots=True)
 class _BusTime:
-    """Of the stamps of the frames; it begins with the first one."""
+    """Time from the stamps of the frames; it begins with the first one."""
 
     start: Ns | None = None
     now: Ns = 0  # the time reached
@@ -99,7 +99,7 @@ class _Due:
 
 
 class ServodynSlave:
-    """A FrameMachine.  Never raises on what comes from the bus."""
+    """A FrameMachine.  Never raises on frames of the bus."""
 
     def __init__(self, settings: BusSettings, codec: Codec, substeps: int = 1) -> None:
         self.settings, self.counters = settings, Counters()
@@ -146,7 +146,7 @@ class ServodynSlave:
         return []
 
     def wake(self, now: Ns) -> list[Event]:
-        """Handles what has expired by bus time `now`; see the module's text about `now`."""
+        """Handle what has expired by bus time `now`; see the module's text about `now`."""
         if now >= self._soonest:
             self._expire(now)
         return self._take_events()
@@ -161,7 +161,7 @@ class ServodynSlave:
         return output
 
     def lost(self, now: Ns) -> list[Event]:
-        """The port is gone: pending output is dropped; the drives run on and miss their SYNC."""
+        """The port is lost: pending output is dropped; the drives keep running without SYNC."""
         self._output.clear()
         return self._take_events()
 
@@ -187,7 +187,7 @@ class ServodynSlave:
         return self._seat(number).axis
 
     def state(self) -> dict[str, object]:
-        """What a tester wants to see, as plain JSON values."""
+        """State for a tester, as plain JSON values."""
         axes = {}
         for seat in self._seats:
             axis, servo = seat.axis, seat.axis.servo
@@ -386,7 +386,7 @@ class ServodynSlave:
             seat.pending = None
             if axis.supervised and not before:
                 seat.life_due = stamp + self.supervision_ns
-            for _, value in axis.faulted_at:  # found by activating: the telegram below says it
+            for _, value in axis.faulted_at:  # found on activation: the telegram below reports it
                 self._events.append(FaultRaised(seat.number, value.fault_code, stamp))
             axis.faulted_at.clear()
             self._send(seat, axis.actual())

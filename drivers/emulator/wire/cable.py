@@ -17,7 +17,7 @@ INTERFRAME = 3
 ERROR_FLAG, ERROR_ECHO, ERROR_DELIMITER = 6, 6, 8  # echo: flags of the others, answering the stuff error of the first flag
 SUSPEND = 8  # bits an error passive transmitter waits more than the others
 PASSIVE, BUS_OFF = 128, 256  # of an error counter
-RECOVERY_BITS = 128 * 11  # recessive bits a node watches before it comes back from bus-off
+RECOVERY_BITS = 128 * 11  # recessive bits a node must see before it leaves bus-off
 ACK_SLOT = TAIL - INTERFRAME - 7 - 2  # bits of the tail before the acknowledge slot ends
 
 NO_ACK, TWINS = "no ACK", "two nodes send this identifier"
@@ -79,7 +79,7 @@ class Node:
 
 @dataclass(slots=True)
 class Load:
-    """What the wire carried since it was made."""
+    """Load of the wire since it was created."""
 
     frames: int = 0
     bits: int = 0  # of frames that went through, stuffing and interframe space included
@@ -102,7 +102,7 @@ class _Attempt:
 
 
 class Wire:
-    """One cable.  `offer` frames with the time they were handed to the controller, `advance` to see what happened until then."""
+    """One cable.  `offer` frames with the time at which the controller got them, `advance` to get the events until then."""
 
     def __init__(self, bitrate: int = 1_000_000) -> None:
         """bitrate: bit/s; ValueError if a bit is not a whole number of nanoseconds."""
@@ -123,7 +123,7 @@ class Wire:
         return len(self.nodes) - 1
 
     def plug(self, node: int, now: Ns, *, plugged: bool = True) -> None:
-        """Cable cut at this node, or mended: unplugged it receives nothing, acknowledges nothing, and what it sends ends in no ACK."""
+        """Cut or mend the cable at this node: unplugged it receives nothing, acknowledges nothing, and its frames end without an ACK."""
         self.nodes[node].plugged = plugged
         self._cut_ns[node] = now
 
@@ -205,7 +205,7 @@ class Wire:
 
     @staticmethod
     def _heard(bits: int, why: str) -> int:
-        """Bits up to the end of the error frame: what was sent, flag, the others' flags, delimiter."""
+        """Bits up to the end of the error frame: the bits sent, flag, the others' flags, delimiter."""
         if why == NO_ACK:
             return bits - TAIL + ACK_SLOT + ERROR_FLAG + ERROR_DELIMITER
         sent = BASE_HEAD + 1 if why == TWINS else bits - TAIL  # twins differ at the earliest just after the DLC

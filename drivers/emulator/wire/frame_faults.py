@@ -1,7 +1,7 @@
 """Faults of frames between the cable and the emulated drives: lost, late, doubled, altered; SYNC late or not at all; a quiet controller.
 
-Pure: sits between port and slaves, both ways.  A frame that an error on the wire destroyed is sent again by the controllers and shows
-here as a late one; an altered frame is what a CAN controller cannot see (a gateway or firmware that changes data).
+Pure: sits between port and slaves, both ways.  A frame destroyed by an error on the wire is repeated by the controllers and appears here as
+a late one; an altered frame is a fault that a CAN controller cannot detect (a gateway or firmware that changes data).
 """
 
 from collections.abc import Sequence
@@ -56,7 +56,7 @@ class FrameFaults:
         self._quiet_until = until
 
     def clear(self) -> None:
-        """No more orders; what is late still comes."""
+        """Remove all orders; late frames still arrive."""
         self._orders.clear()
         self._quiet_until = 0
 
@@ -65,7 +65,7 @@ class FrameFaults:
         return not (self._orders or self._quiet_until or self._late[Way.IN] or self._late[Way.OUT])
 
     def due(self) -> Ns | None:
-        """When the next late frame is to be handed on."""
+        """When the next late frame is due."""
         return min((frame.stamp_ns for frames in self._late.values() for frame in frames), default=None)
 
     def through(self, way: Way, frames: Sequence[Frame], now: Ns) -> list[Frame]:

@@ -11,13 +11,13 @@ from collections.abc import Iterable, Set
 
 from protocols.base.machine import Frame, Ns, ms
 
-HOLD_NS = ms(800)  # longer than the cycle waits for the drives, shorter than what services wait for a silent cycle there
+HOLD_NS = ms(800)  # longer than the cycle waits for the drives, shorter than the services' limit for a silent cycle in a simulation
 NAP_NS = ms(1)  # between two looks while time is stopped
 JITTER = 8  # fraction of a period: a SYNC may be so late before time stops, or so early before cut-out time is added back
 
 
 class StretchedTime:
-    """Of one bus."""
+    """Time of one bus."""
 
     def __init__(self, period_ns: Ns, sync_ids: Set[int]) -> None:
         self.cut_ns: Ns = 0  # lag of simulated time

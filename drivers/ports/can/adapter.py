@@ -25,7 +25,7 @@ SAMPLES = 100  # of one figure of latency
 MARK_OWN = ("kvaser", "vector", "nixnet", "etas", "virtual")  # return and mark own frames on request; others do so always or never
 GOES_WRONG = (can.CanError, OSError, ImportError, ValueError, TypeError, NotImplementedError, AttributeError)
 DEFAULTS: dict[str, dict[str, float]] = {
-    "slcan": {"sleep_after_open": 0.0, "timeout": 0.02},  # 2 s for boards that start anew when opened: ?sleep_after_open=2
+    "slcan": {"sleep_after_open": 0.0, "timeout": 0.02},  # 2 s for boards that restart when opened: ?sleep_after_open=2
 }
 LISTEN: dict[str, dict[str, object]] = {"slcan": {"listen_only": True}, "pcan": {"state": can.BusState.PASSIVE}}
 
@@ -38,11 +38,11 @@ class AdapterPort:
         self.counters = CanCounters()
         self.fd = 0  # frames of CAN FD among those ignored
         self.own_ns: list[Ns] = []  # from sending a frame until the adapter gave it back; the first SAMPLES
-        self.answer_ns: list[Ns] = []  # from a burst until the first frame of somebody else; the first SAMPLES
+        self.answer_ns: list[Ns] = []  # from a burst to the first frame of another node; the first SAMPLES
         self._faults: list[tuple[FrameFault, Ns]] = []
         self._waiting: deque[tuple[can.Message, Ns]] = deque()
         self._on_their_way: deque[tuple[int, bytes, Ns]] = deque(maxlen=256)
-        self._burst_ns = 0  # 0: somebody answered it
+        self._burst_ns = 0  # 0: it was answered
         self._gone: Exception | None = None
         self._closing = False
         self._bus = _open(url, adapter_of(url), bitrate, listen_only=listen_only)
@@ -74,7 +74,7 @@ class AdapterPort:
         return len(frames)
 
     def receive(self) -> list[Frame]:
-        """Everything that waits, stamped when it was read; PortError when the adapter is gone."""
+        """All waiting frames, stamped when read; PortError when the adapter is gone."""
         with contextlib.suppress(BlockingIOError):
             os.eventfd_read(self._more)
         frames: list[Frame] = []

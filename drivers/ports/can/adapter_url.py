@@ -18,7 +18,7 @@ AS_WRITTEN = ("channel", "serial", "device", "host")  # never a number
 
 @dataclass(frozen=True, slots=True)
 class Adapter:
-    """What python-can is asked for."""
+    """Arguments for python-can."""
 
     interface: str
     channel: str
@@ -27,7 +27,7 @@ class Adapter:
 
 
 def is_adapter(url: str) -> bool:
-    """True for what is neither the kernel's nor the local bus, and looks like an adapter."""
+    """True for a port that belongs neither to the kernel nor to the local bus, and looks like an adapter."""
     found = URL.match(url)
     return found is not None and found["interface"] not in OURS
 

@@ -63,7 +63,7 @@ class Link:
         self._next: int | None = None  # sequence number the next foreign frame has at least
 
     def send(self, messages: Sequence[bytes]) -> int:
-        """Records taken, in order; less than given: the way to the broker is full, counted as refused."""
+        """Number of records accepted, in order; fewer than passed: the output to the broker is full, counted as refused."""
         taken, given = 0, sum(map(len, messages)) // RECORD_BYTES
         for message in messages:
             try:
@@ -93,7 +93,7 @@ class Link:
         return records
 
     def records_in(self, message: bytes | memoryview) -> list[Record]:
-        """Of one message."""
+        """Records of one message."""
         records: list[Record] = []
         if len(message) % RECORD_BYTES:
             self.counters.ignored += 1
@@ -109,7 +109,7 @@ class Link:
         return records
 
     def _ended(self, records: list[Record], why: str) -> list[Record]:
-        """What came before the end is given first; the end is reported at the next call."""
+        """Return what came before the end first; report the end at the next call."""
         if records:
             return records
         raise PortError(f"{self.name}: {why}; the broker ended or disconnected this subscriber as too slow, open the port again")
@@ -121,7 +121,7 @@ class Link:
         self.broker_start_ns = start
 
     def seen(self, sequence: int) -> None:
-        """The last sequence number that reached the user: a later connection knows from it what it missed."""
+        """The last sequence number that reached the user: a later connection computes from it what it missed."""
         self._next = sequence + 1
 
     def reconnect(self) -> None:
@@ -166,7 +166,7 @@ class BrokerPort:
         return self._link.send((message,))
 
     def frames_in(self, message: bytes) -> list[Frame]:
-        """A message that was read from the socket elsewhere, as receive() would have given it."""
+        """The frames of a message that was read from the socket elsewhere, as receive() would return them."""
         return self._frames(self._link.records_in(message))
 
     def _frames(self, records: list[Record]) -> list[Frame]:

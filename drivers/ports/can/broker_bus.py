@@ -41,7 +41,7 @@ class BrokerBus(can.BusABC):
         return self._epoll.fileno()
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
-        """CanOperationError when the way to the broker is full for `timeout` seconds (None: at once) or the broker is gone."""
+        """CanOperationError when the output to the broker is full for `timeout` seconds (None: at once) or the broker is gone."""
         if msg.is_fd or msg.dlc > MAX_DATA:
             raise can.CanOperationError(f"{self.channel_info}: classic CAN only, {MAX_DATA} bytes")
         flags = (EFF_FLAG if msg.is_extended_id else 0) | (RTR_FLAG if msg.is_remote_frame else 0)

@@ -36,13 +36,13 @@ def attach(channel: str, link: CycleLink) -> None:
 
 
 def detach(channel: str) -> None:
-    """The link is gone."""
+    """The link is lost."""
     with _lock:
         _links.pop(channel, None)
 
 
 def links() -> Mapping[str, CycleLink]:
-    """What is attached."""
+    """The attached links."""
     return dict(_links)
 
 
@@ -62,7 +62,7 @@ class CycleBus(can.BusABC):
         super().__init__(channel=channel, can_filters=can_filters, **kwargs)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
-        """CanOperationError for what only the cycle may send, and for what classic CAN with 11 bits does not have."""
+        """CanOperationError for frames that only the cycle may send, and for frames that classic CAN with 11 bits lacks."""
         identifier = msg.arbitration_id
         if msg.is_extended_id or msg.is_remote_frame or msg.is_fd or msg.dlc > 8:
             raise can.CanOperationError(f"{self.channel_info}: 11-bit data frames only, not {msg}")

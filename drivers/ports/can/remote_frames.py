@@ -1,6 +1,6 @@
-"""CAN ports that pass remote frames too, for those who answer them: emulated CANopen nodes (guarding, TPDOs asked for).
+"""CAN ports that pass remote frames too, for nodes that answer them: emulated CANopen nodes (guarding, requested TPDOs).
 
-A remote frame comes as a Frame whose identifier has bit 30 set (protocols.canopen.cob_id.REMOTE), as in struct can_frame.
+A remote frame is received as a Frame whose identifier has bit 30 set (protocols.canopen.cob_id.REMOTE), as in struct can_frame.
 """
 
 from drivers.ports.base import CanPort

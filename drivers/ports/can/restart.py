@@ -1,4 +1,4 @@
-"""Restarts a CAN controller of the kernel that went bus-off: what `ip link set can0 type can restart` does, as one netlink message.
+"""Restarts a CAN controller of the kernel after bus-off, like `ip link set can0 type can restart`, by one netlink message.
 
 Source: rtnetlink(7); linux/if_link.h (IFLA_LINKINFO, IFLA_INFO_KIND, IFLA_INFO_DATA); linux/can/netlink.h (IFLA_CAN_RESTART); AX-437.
 """

@@ -140,7 +140,7 @@ def _is_up(interface: str) -> bool:
 
 
 def _advice(name: str, interface: str, error: OSError) -> str:
-    """One line: what is wrong and what to do."""
+    """One line: the fault and the remedy."""
     match error.errno:
         case errno.ENODEV | errno.ENXIO:
             make = f"sudo ip link add dev {interface} type vcan && " if interface.startswith("vcan") else ""

@@ -39,7 +39,7 @@ class Control(IntEnum):
 
 @dataclass(slots=True)
 class CanCounters:
-    """What a CAN port counts; it never drops a frame in silence."""
+    """Counters of a CAN port; it never drops a frame silently."""
 
     sent: int = 0
     received: int = 0
@@ -61,7 +61,7 @@ def text_record(kind: Control, text: bytes, stamp_ns: Ns = 0) -> bytes:
 
 
 def check_frame(frame: Frame) -> None:
-    """ValueError on what no classic CAN frame can be: the caller's mistake."""
+    """ValueError on a frame impossible in classic CAN: the caller's mistake."""
     if not 0 <= frame.identifier <= MAX_ID:
         raise ValueError(f"CAN identifier {frame.identifier:#x}: 0..{MAX_ID:#x}")
     if len(frame.data) > MAX_DATA:

@@ -45,7 +45,7 @@ class TcpPort:
         return self._socket.fileno()
 
     def read(self) -> list[bytes | Damage]:
-        """What came; TCP knows no damage."""
+        """Received bytes; TCP reports no damage."""
         try:
             data = self._socket.recv(READ_SIZE)
         except BlockingIOError:

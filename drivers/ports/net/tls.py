@@ -31,7 +31,7 @@ class TlsPort(TcpPort):
         self._socket = self._tls
 
     def read(self) -> list[bytes | Damage]:
-        """All that came: what TLS has unpacked already would not make the descriptor readable again."""
+        """All received bytes: data already decrypted by TLS would not make the descriptor readable again."""
         chunks: list[bytes | Damage] = []
         while True:
             try:

@@ -15,13 +15,13 @@ PENDING_LIMIT = 4096  # characters taken from a sender and not yet on the line; 
 
 
 class Fault(Enum):
-    """What happens to a character on its way."""
+    """Effect on a character on its way."""
 
     PARITY = "parity"  # a bit is wrong and the receiver's UART sees it
     FRAMING = "framing"
-    OVERRUN = "overrun"  # lost in the receiver's UART, which says so
+    OVERRUN = "overrun"  # lost in the receiver's UART, which reports it
     BREAK = "break"
-    FLIP = "flip"  # a wrong character nobody notices
+    FLIP = "flip"  # a wrong character, undetected
     DROP = "drop"  # gone without a trace
 
 
@@ -32,7 +32,7 @@ class Delivery(NamedTuple):
     """A run of characters that has left the line."""
 
     data: bytes  # as sent
-    wire: bytes  # what the receiving pty gets
+    wire: bytes  # bytes for the receiving pty
     mark: str  # the record's mark
 
 
@@ -53,7 +53,7 @@ def always() -> bool:
 class Direction:
     """Characters on their way from one side to the other.  baud 0: they leave at once.
 
-    marks: does the receiver decode marks (AX-060)?  Asked at every FF and every damaged character: its program may change.
+    marks: does the receiver decode marks (AX-060)?  Checked at every FF and every damaged character: its program may change.
     """
 
     def __init__(self, baud: int, bits: int = 11, *, marks: Callable[[], bool] = always) -> None:
@@ -61,7 +61,7 @@ class Direction:
         self._pending = bytearray()
         self._start: Ns = 0
         self._left = 0  # characters of this burst that have left
-        self._planned: dict[int, Fault] = {}  # number of the character (counted over all) -> what happens to it
+        self._planned: dict[int, Fault] = {}  # number of the character (counted over all) -> its fault
         self._chance: Chance | None = None
         self._random = 1
         self.count = 0  # characters that have left, delivered or not
@@ -111,12 +111,12 @@ class Direction:
         self._random = seed * 2 + 1
 
     def calm(self) -> None:
-        """No damage any more."""
+        """No more damage."""
         self._chance = None
         self._planned.clear()
 
     def forget(self) -> None:
-        """The sender's side is gone with what it had not sent."""
+        """The sender's side is gone with its unsent characters."""
         self._pending.clear()
 
     def _end(self, index: int) -> Ns:

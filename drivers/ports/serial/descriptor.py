@@ -1,4 +1,4 @@
-"""What a pty and a serial interface share: bytes and damage marks from a descriptor that never blocks, and characters on their way out."""
+"""Common base of a pty and a serial interface: bytes and damage marks from a non-blocking descriptor, and characters on their way out."""
 
 import errno
 import os
@@ -31,10 +31,10 @@ class DescriptorPort:
         self.char_ns = line_format.char_ns
         self._fd = -1
         self._drain = Drain(self.char_ns)
-        self._hears_at_once = False  # nothing paces what is written: an answer says that all of it has arrived
+        self._hears_at_once = False  # output has no pace: an answer shows that all of it has arrived
         self._marks = MarkReader() if marks else None  # a pty asks its other end first
         low = (1 << line_format.data_bits) - 1
-        self._bits = bytes(byte & low for byte in range(256)) if line_format.data_bits < 8 else None  # what a UART would send
+        self._bits = bytes(byte & low for byte in range(256)) if line_format.data_bits < 8 else None  # bits that a UART would send
 
     def fileno(self) -> int:
         """Readable when read() has something."""
@@ -67,7 +67,7 @@ class DescriptorPort:
 
     def write(self, data: bytes) -> int:
         """How many bytes were taken."""
-        # The moment before, not afterwards: who is read may run at once and leave us standing, and the line is never that late.
+        # The moment before, not afterwards: the reader may run at once while this process waits, and the line is never that late.
         before = time.monotonic_ns() if self.char_ns else 0
         try:
             count = os.write(self._fd, data if self._bits is None else data.translate(self._bits))

@@ -24,7 +24,7 @@ from protocols.base.machine import Damage
 TIOCGICOUNT = 0x545D  # struct serial_icounter_struct: cts dsr rng dcd rx tx frame overrun parity brk buf_overrun, 9 reserved
 TIOCSERGETLSR = 0x5459
 TRANSMITTER_EMPTY = 1
-NO_UART = ("ttyACM", "tnt", "ttyGS")  # USB devices that speak serial themselves, virtual null modems: the baud rate is only a word there
+NO_UART = ("ttyACM", "tnt", "ttyGS")  # USB devices with their own serial side, virtual null modems: the baud rate has no effect there
 HINTS = {
     errno.ENOENT: "is not there; plug the adapter in or correct the path (ls /dev/serial/by-id)",
     errno.EACCES: "may not be opened; add this user to the group of the device (ls -l), usually dialout",
@@ -40,7 +40,7 @@ SIZES = {termios.CS5: 5, termios.CS6: 6, termios.CS7: 7, termios.CS8: 8}
 
 
 def frame_of(settings: Sequence[Any], asked_baud: int) -> str:
-    """Result of tcgetattr as a line format; termios has no word for unusual speeds, there the asked one is believed."""
+    """Result of tcgetattr as a line format; termios cannot express unusual speeds, so the requested one is assumed."""
     flags = settings[2]
     baud = SPEEDS.get(settings[5], settings[5]) if asked_baud in SPEEDS.values() else asked_baud
     parity = "N" if not flags & termios.PARENB else "O" if flags & termios.PARODD else "E"
@@ -55,13 +55,13 @@ def named_damage(items: list[bytes | Damage], before: Mapping[Damage, int], now:
     marked = Damage.FRAMING if new[Damage.FRAMING] > 0 and new[Damage.PARITY] <= 0 else Damage.PARITY
     names = {Damage.PARITY: marked, Damage.BREAK: Damage.BREAK if new[Damage.BREAK] > 0 else marked}
     named = [names.get(item, item) if isinstance(item, Damage) else item for item in items]
-    return [Damage.OVERRUN, *named] if new[Damage.OVERRUN] > 0 else named  # the kernel does not say where characters are missing
+    return [Damage.OVERRUN, *named] if new[Damage.OVERRUN] > 0 else named  # the kernel does not report where characters are missing
 
 
 def _names_a_pty(path: str) -> bool:
     try:
         return os.major(os.stat(path).st_rdev) in PTY_MAJORS
-    except OSError:  # opening it says what is wrong
+    except OSError:  # opening it reports the fault
         return False
 
 
@@ -70,7 +70,7 @@ def _kept(path: str, frame: str, line_format: LineFormat) -> PortError:
 
 
 def _refused(path: str, line_format: LineFormat, error: Exception) -> PortError:
-    """What an interface says that took nothing of what was asked; it is looked at once more for the frame it keeps."""
+    """Fault text of an interface that accepted no setting; it is read once more for the frame it keeps."""
     try:
         fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     except OSError as gone:
@@ -136,7 +136,9 @@ class SerialPort(DescriptorPort):
         return items
 
     def unsent(self) -> int:
-        """At least what the kernel reports (TIOCOUTQ, transmitter), and what baud rate and count allow (an adapter's own buffer)."""
+        """At least the bytes that the kernel reports (TIOCOUTQ, transmitter), and those that baud rate and count require (an adapter's own
+        buffer).
+        """
         try:
             queued = int(struct.unpack("i", fcntl.ioctl(self._fd, termios.TIOCOUTQ, b"\0" * 4))[0])
         except OSError as error:
@@ -144,7 +146,7 @@ class SerialPort(DescriptorPort):
         return max(queued or self._transmitting(), super().unsent())
 
     def close(self) -> None:
-        """Forgets what has not left (a close that waits for a dead partner would block for half a minute); twice does no harm."""
+        """Discard unsent bytes (a close that waits for a dead partner would block for half a minute); a second call is harmless."""
         if self._fd >= 0:
             at_once, self._fd = is_pty(self._fd), -1
             if at_once:  # nothing to wait for, and the flush would discard what the far end has not read yet

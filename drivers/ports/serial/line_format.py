@@ -49,7 +49,7 @@ class LineFormat:
 
 
 def parse_format(text: str) -> LineFormat:
-    """ "9600 8E1" or "9600" (8E1, the usual frame of 3964R) or "0" (no pace).  Raises ValueError naming the text and what is possible."""
+    """ "9600 8E1" or "9600" (8E1, the usual frame of 3964R) or "0" (no pace).  Raises ValueError naming the text and the valid forms."""
     found = re.fullmatch(r"\s*(\d{1,7})(?:\s+([5-8])([NEO])([12]))?\s*", text, re.IGNORECASE)
     if not found:
         raise ValueError(f'line format "{text}": baud rate, data bits 5..8, parity N|E|O, stop bits 1|2 expected, e.g. "9600 8E1"')
@@ -60,7 +60,7 @@ def parse_format(text: str) -> LineFormat:
 
 
 class Drain:
-    """When bytes given to a line without a drain signal will have left it: computed from count and character time."""
+    """When bytes on a line without a drain signal will have left it: computed from count and character time."""
 
     def __init__(self, char_ns: Ns) -> None:
         self.char_ns = char_ns
@@ -90,7 +90,7 @@ def mark(kind: Damage, byte: int = 0) -> bytes:
 
 
 class MarkReader:
-    """Takes the PARMRK form apart; a mark may be torn over several reads.  Never raises on what comes."""
+    """Decodes the PARMRK form; a mark may be split over several reads.  Never raises on received bytes."""
 
     def __init__(self) -> None:
         self._torn = b""

@@ -1,8 +1,8 @@
-"""A pseudo terminal: raw 8N1.  Where its other end is the line process, marks in PARMRK form are decoded here (AX-060).
+"""A pseudo terminal: raw 8N1.  If its other end is the line process, marks in PARMRK form are decoded here (AX-060).
 
-A pty knows neither parity nor pace; the line process makes both and offers marks by a signature in the terminal's settings (AX-651).  A
-port that reads them asks for them by a lock, so any other program at the same pty gets characters as they are, FF too (AX-1400).
-`unsent` is computed from count and character time.
+A pty knows neither parity nor pace; the line process adds both and offers marks by a signature in the terminal's settings (AX-651).  A port
+that reads them requests them by a lock, so any other program at the same pty gets characters as they are, FF too (AX-1400). `unsent` is
+computed from count and character time.
 """
 
 import errno
@@ -17,7 +17,7 @@ from drivers.ports.serial.line_format import LineFormat
 
 __all__ = ["READ_SIZE", "PtyPort", "marks_asked", "offer_marks", "set_raw"]
 
-# Control characters that a raw terminal never looks at, and what the line process writes there; no program sets them so by chance.
+# Control characters that a raw terminal ignores, and the values written by the line process; no program sets them so by chance.
 SIGNATURE = {termios.VEOL: b"A", termios.VEOL2: b"X", termios.VREPRINT: b"M", termios.VWERASE: b"K"}
 
 ABSENT = "is its line process running, and the adapter inserted?"
@@ -34,7 +34,7 @@ def set_raw(fd: int) -> None:
 
 
 def offer_marks(fd: int) -> None:
-    """A port that opens this pty may ask for marks: then FF is doubled and damaged characters are marked."""
+    """A port that opens this pty may request marks: then FF is doubled and damaged characters are marked."""
     settings = termios.tcgetattr(fd)
     for place, sign in SIGNATURE.items():
         settings[6][place] = sign
@@ -100,7 +100,7 @@ class PtyPort(DescriptorPort):
             self._fd = -1
 
     def _forget_old(self) -> None:
-        """What came before anybody listened is not for us, as on a UART nobody had opened."""
+        """Discard bytes that came before anybody listened, as on a UART that was not open."""
         for _ in range(64):  # the kernel keeps 64 KiB for one that does not read
             termios.tcflush(self._fd, termios.TCIFLUSH)
             try:

@@ -52,7 +52,7 @@ class Rfc2217Port:
         return self._mine.fileno()
 
     def read(self) -> list[bytes | Damage]:
-        """What came."""
+        """Received bytes."""
         try:
             data = self._mine.recv(READ_SIZE)
         except BlockingIOError:
@@ -96,7 +96,7 @@ class Rfc2217Port:
             self._mine.close()
 
     def _carry(self) -> None:
-        """In a thread of its own: what comes goes through the socket pair; its end is the end of the connection."""
+        """In a thread of its own: pass received bytes through the socket pair; its end is the end of the connection."""
         with contextlib.suppress(serial.SerialException, OSError, TypeError, AttributeError), self._readers:
             while not self._closed:
                 data = self._serial.read(1)

@@ -1,4 +1,4 @@
-"""Cross checks of [val3]: the application with its files and programs, its arm, what its data link to (AX-930)."""
+"""Cross checks of [val3]: the application with its files and programs, its arm, the links of its data (AX-930)."""
 
 from collections.abc import Iterator
 
@@ -117,7 +117,7 @@ def _of_another_arm(loaded: Loaded) -> bool:
 
 
 def _links(check: Context, table: Val3) -> None:
-    """Data of the application and its libraries that are linked to what this cell does not have."""
+    """Data of the application and its libraries that are linked to names missing in this cell."""
     cell = check.cell
     assert cell.controller is not None
     points, channels = points_of(cell.controller), [channel_of(row) for row in table.channel]
@@ -136,7 +136,7 @@ def _links(check: Context, table: Val3) -> None:
 
 
 def warnings(cell: Cell) -> Iterator[Notice]:
-    """What the application warns of."""
+    """Warnings of the application."""
     if cell.val3 is None:
         return
     try:

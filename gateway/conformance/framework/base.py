@@ -1,4 +1,4 @@
-"""What every tester has: notes of a case, times as intervals, judged and preparing steps."""
+"""Common base of all testers: notes of a case, times as intervals, judged and preparing steps."""
 
 import contextlib
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ class Seen:
     ns: Ns
     side: str  # "tester" or "device"
     data: bytes
-    note: str = ""  # a damaged character, a closed connection: what bytes cannot say
+    note: str = ""  # a damaged character, a closed connection: events without bytes
     identifier: int | None = None  # of a CAN frame
 
     def shown(self) -> str:
@@ -31,7 +31,7 @@ class Seen:
 
 @dataclass(slots=True)
 class Notes:
-    """What one case saw."""
+    """Observations of one case."""
 
     measures: list[Measure] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
@@ -54,7 +54,7 @@ class Tester:
         return 0
 
     def uncertainty(self) -> Ns:
-        """Of a measured time."""
+        """Uncertainty of a measured time."""
         return self.late()
 
     def doubt(self, took: Ns) -> tuple[Ns, Ns]:
@@ -74,7 +74,7 @@ class Tester:
 
     @property
     def power(self) -> Supply:
-        """Of a case that has `power` as its condition."""
+        """Supply of a case that has `power` as its condition."""
         assert self.supply is not None, "the condition of the case"
         return self.supply
 

@@ -1,4 +1,4 @@
-"""The bench file (TOML): device, port, link, what may be touched, what is known, stimulus, power, report.  All faults in one run."""
+"""The bench file (TOML): device, port, link, permitted writes, known facts, stimulus, power, report.  All faults in one run."""
 
 import datetime
 import pathlib
@@ -14,7 +14,7 @@ from gateway.conformance.framework.bench_rules import error_faults, missing_file
 from protocols.p3964r.profiles import PROFILES
 
 Table = Mapping[str, object]
-Check = Callable[[object], str]  # "" or what is expected
+Check = Callable[[object], str]  # "" or the expected form
 STIMULI = ("operator", "periodic", "fetch", "modbus", "output", "command", "none")
 RANGE = re.compile(r"^(\d+)(?:\.\.(\d+))?$")
 DATA_WORD = re.compile(r"^DB\d{1,3}\.DW\d{1,3}$", re.IGNORECASE)
@@ -23,7 +23,7 @@ CELL = re.compile(r"^(input|holding|coil|discrete):\d{1,5}$")
 
 
 class BadFile(Exception):
-    """Faults of a file; each line names file, key, range and what to do."""
+    """Faults of a file; each line names file, key, range and remedy."""
 
     def __init__(self, faults: list[str]) -> None:
         super().__init__("\n".join(faults))
@@ -48,7 +48,7 @@ class Bench:
     report: Table = field(default_factory=dict)
     pics: Table = field(default_factory=dict)
     objects: frozenset[tuple[int, int]] = frozenset()  # of a CANopen device: may be written
-    allowed: frozenset[str] = frozenset()  # motion, store, node: what else of [touch] is true
+    allowed: frozenset[str] = frozenset()  # motion, store, node: further permissions of [touch]
 
     @property
     def folder(self) -> pathlib.Path:

@@ -1,4 +1,4 @@
-"""What keys of a bench file need or exclude each other: a key that could not act is refused."""
+"""Dependencies and exclusions among keys of a bench file: a key without effect is refused."""
 
 import difflib
 import pathlib
@@ -18,7 +18,7 @@ RANGES: Mapping[str, tuple[int, int]] = {  # integers of the PICS
     "most_received": (1, 65535),
     "words": (1, 256),
 }
-ERRORS = (  # what own error numbers of the PICS may be for: cases of the suite rk512
+ERRORS = (  # permitted names of own error numbers in the PICS: cases of the suite rk512
     *("missing_block", "missing_block_send", "behind_the_end", "wrong_command", "wrong_type", "wrong_byte_1", "follow_on_alone"),
     *("short_header", "data_behind_fetch", "amount_0", "send_too_short", "send_too_long", "send_odd", "send_no_data", "type"),
 )
@@ -41,7 +41,7 @@ def near(name: str, names: Iterable[str]) -> str:
 
 
 def wanted_in_pics(key: str, kind: str, value: object) -> str:
-    """What is expected of an item in place of this value; empty: nothing."""
+    """The form expected for an item instead of this value; empty: any."""
     if kind == "bool":
         return "" if isinstance(value, bool) else "true or false"
     if kind == "whole":
@@ -66,7 +66,7 @@ def error_faults(table: Mapping[str, object]) -> list[str]:
 
 
 def missing_files(folder: pathlib.Path, found: Table) -> list[str]:
-    """Files that [link] names; where they can be read, the suite judges what is in them."""
+    """Missing files of [link]; the suite judges the content of readable ones."""
     link = found.get("link")
     named = {key: link.get(key) for key in ("eds", "layout")} if isinstance(link, dict) else {}
     paths = {key: (folder / name).resolve() for key, name in named.items() if isinstance(name, str) and name}
@@ -74,7 +74,7 @@ def missing_files(folder: pathlib.Path, found: Table) -> list[str]:
 
 
 def rule_faults(found: Table) -> list[str]:
-    """Beside those of single keys: of a value that is wrong nothing is concluded."""
+    """Rules beyond single keys; a wrong value is not used for further conclusions."""
     return [*_port(_table(found, "port")), *_stimulus(_table(found, "stimulus")), *_power(found)]
 
 

@@ -15,7 +15,7 @@ WORD = re.compile(r"[0-9A-Za-z:]{2,}")
 
 
 def name_causes(results: Mapping[str, Result], order: Sequence[Purpose[Tester]]) -> None:
-    """After the run, when all FAILs are known: what a case names does not depend on the order of the cases."""
+    """After the run, when all FAILs are known: the named cause does not depend on the order of the cases."""
     failed = [results[purpose.id] for purpose in order if results[purpose.id].verdict is Verdict.FAIL]
     for result in results.values():
         if result.open_cause and result.verdict is Verdict.INCONC:
@@ -44,7 +44,7 @@ def _likeness(result: Result, other: Result) -> tuple[int, float]:
 
 
 def _root(cause: str, results: Mapping[str, Result]) -> str:
-    """Of a chain of INCONC the case where it begins."""
+    """The case at the begin of a chain of INCONC."""
     met: set[str] = set()
     while cause in results and results[cause].verdict is Verdict.INCONC and results[cause].caused_by and cause not in met:
         met.add(cause)

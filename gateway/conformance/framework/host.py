@@ -1,4 +1,4 @@
-"""What this host leaves open about a time: the lateness of the tester, and of a device that is a program on this host as well."""
+"""Uncertainty of a time caused by this host: the lateness of the tester, and of a device that is a program on this host as well."""
 
 import time
 from typing import Protocol
@@ -26,7 +26,7 @@ class Lates(Protocol):
 
 
 class Host:
-    """Of one run.  Where the programs at the other end are known their own waits count, else the worst of the witness processes."""
+    """Host of one run.  If the programs at the other end are known their own waits count, else the worst of the witness processes."""
 
     def __init__(self, witness: Lates | None = None, peers: Peers | None = None) -> None:
         self._witness, self._peers = witness, peers

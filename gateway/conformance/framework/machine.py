@@ -18,7 +18,7 @@ FRAME_METHODS = ("receive", "sent", "wake", "deadline", "take_output", "lost")  
 
 
 class MachineDied(PortError):
-    """The device under test raised: it is gone."""
+    """The device under test raised an exception and is dead."""
 
 
 class Guarded:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from protocols.base.machine import Ns, ms
 
-EDGE = ms(100)  # of a span: what a program does at its beginning and for its end falls in here
+EDGE = ms(100)  # of a span: actions of a program at its begin and for its end fall in here
 STEP = ms(250)  # of a dialogue: somewhat more than the longest gap within a block
 APART = ms(1)  # least time between two samples
 SAMPLES = 20_000
@@ -26,7 +26,7 @@ LOCAL = ("127.", "localhost", "[::1]", "::1")
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """waited: sum of all their threads; stuck: since this moment they have had no processor, though they want one."""
+    """waited: sum of all their threads; stuck: since this moment they have had no processor although they needed one."""
 
     now: Ns
     waited: Ns
@@ -48,7 +48,7 @@ class Peers:
         return bool(self._pids)
 
     def look(self) -> None:
-        """Who they are; a program that was started anew is another one.  Takes some milliseconds: between two cases."""
+        """Find them; a restarted program counts as another one.  Takes some milliseconds: call it between two cases."""
         if any(not (self._root / str(pid)).exists() for pid in self._pids) or not self._pids:
             with contextlib.suppress(OSError):
                 self._pids = tuple(sorted(self._holders() - {os.getpid()}))
@@ -135,7 +135,7 @@ class Peers:
         return found
 
     def ends(self, since: Ns) -> Ns:
-        """At the beginning and at the end of the span from then until now: what they waited between does not move what they do."""
+        """Waits at the begin and at the end of the span: those between do not shift what the programs do."""
         if not self._kept:
             return 0
         last = self._kept[-1]

@@ -23,7 +23,7 @@ BACK: Ns = ms(30_000)  # longest time from power to an answer, where the bench s
 
 @dataclass(slots=True)
 class Supply:
-    """What a tester has of it: `turn` ends once the supply is switched, and after on once the port is there again."""
+    """A tester's access to the supply: `turn` returns once it is switched, and after on once the port is back."""
 
     turn: Turn
     pause: Callable[[Ns], object]
@@ -88,7 +88,7 @@ def write_once(url: str, table: Mapping[str, object], what: str) -> None:
 
 
 def _operator(prompt: str, on: bool, limit: object, say: Say) -> None:
-    """Enter says that it is done."""
+    """Enter confirms that it is done."""
     seconds = (limit if isinstance(limit, (int, float)) else OPERATOR_LIMIT_MS) / 1e3
     say(f"{prompt}: {_word(on).upper()}, then press Enter (at most {seconds:g} s)")
     typed: list[str] = []

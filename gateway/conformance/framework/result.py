@@ -20,7 +20,7 @@ class Result:
     got: str = ""
     caused_by: str = ""
     open_cause: bool = False  # a preparing step failed: which case judges it is known after the run
-    uncertain: bool = False  # a time lies across its limit, all else was right: what rests on this case can run
+    uncertain: bool = False  # a time overlaps its limit, all else was right: cases that depend on this one can run
     notes: Notes = field(default_factory=Notes)
     late: Ns = 0
     took: Ns = 0

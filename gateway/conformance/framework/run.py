@@ -15,25 +15,25 @@ from gateway.pure.conformance.verdict import BenchFault, Disturbed, Ended, Incon
 from protocols.base.machine import Ns, ms
 
 TRIES = 3  # of a case that was disturbed, or whose time lies across a limit
-FAR_TOO_LATE = ms(150)  # nothing is known of what happened meanwhile
+FAR_TOO_LATE = ms(150)  # nothing is known of what happened in that time
 MANY_TRIES = 4  # of a host that is late count as one
 ASKED = 2  # times whether the device is usable
 STUMBLES = 3  # cases in a run that have a second try after a preparing step that failed at a device that works
-TOO_LATE = ms(40)  # the same for what a time that ran out brings: as far as the cases stay away from limits
+TOO_LATE = ms(40)  # the same for effects of a time-out: as far as the cases stay away from limits
 OF_TIMES = frozenset(("", "nothing", "silence", "no answer", "NAK (15h)", "STX (02h)"))
-LATE = ms(10)  # this host was held up so long: a FAIL proves nothing
+LATE = ms(10)  # this host was delayed so long: a FAIL proves nothing
 
 
 class Session(Protocol):
-    """A suite at a device: what the runner asks of it."""
+    """A suite at a device: interface for the runner."""
 
     tester: Tester
-    assumed: list[str]  # what was taken for granted or found out, in words
+    assumed: list[str]  # assumed or discovered facts, in words
 
     def discover(self) -> Mapping[str, object]: ...  # the PICS, completed; called once before the first case
     def self_check(self) -> Mapping[str, object]: ...
     def begin(self, clean: bool) -> None: ...  # before each try of a case: the line becomes idle; clean: the last case passed
-    def alive(self) -> None: ...  # the postamble; an Ended says why not
+    def alive(self) -> None: ...  # the postamble; an Ended explains a failure
     def now(self) -> Ns: ...
     def close(self) -> None: ...
 
@@ -119,7 +119,7 @@ class Runner:
         return Result(purpose, Verdict.INCONC, reason, "a device that answers", "no answer", self._unusable)
 
     def _usable(self) -> bool:
-        """The postamble passes; twice asked, for one that is busy; more often where this host was late."""
+        """Whether the postamble passes; two attempts for a busy device, more if this host was late."""
         vain = 0.0
         while vain < ASKED:
             try:
@@ -180,8 +180,9 @@ class Runner:
 
     @staticmethod
     def _late_thrice(result: Result, seen: Sequence[str]) -> None:
-        """A host that is a little late does not make a device say the same wrong thing each time; silence, a refusal and a repeat come of
-        times that ran out, here or there, so they need less."""
+        """A host that is a little late does not cause the same wrong answer each time; silence, a refusal and a repeat can result from
+        time-outs on either side, so they need less.
+        """
         limit = TOO_LATE if result.got in OF_TIMES else FAR_TOO_LATE
         if result.behind and len(set(seen)) == 1 and result.late < limit:
             result.verdict, result.reason = Verdict.FAIL, result.behind

@@ -1,4 +1,4 @@
-"""Asks a Modbus TCP server raw requests and reports what it made of them; and looks for a value in its registers."""
+"""Sends raw requests to a Modbus TCP server and reports the answers; and finds a value in its registers."""
 
 import contextlib
 import html
@@ -31,7 +31,7 @@ class Result:
 
 
 class Prober:
-    """Plays each case on a connection of its own, so that none hangs on the one before."""
+    """Plays each case on a connection of its own, so that none depends on the one before."""
 
     def __init__(self, host: str, port: int, wait_s: float = 1.0) -> None:
         self.host, self.port, self.wait_s = host, port, wait_s

@@ -41,7 +41,7 @@ def put(target: object, **parts: object) -> None:
 
 
 class Drive:
-    """One node.  The three parts: what becomes of a frame it sends, of one it gets, and what is exchanged once, before power-up."""
+    """One node.  The three parts: changes to a frame it sends, to one it receives, and parts exchanged once, before power-up."""
 
     def __init__(
         self,

@@ -74,7 +74,7 @@ def no_toggle(drive: Drive, frame: Frame) -> Sequence[Frame]:
 
 
 def short_taken(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    """Fills up what is missing with zeros."""
+    """Fills up missing bytes with zeros."""
     return [frame._replace(data=frame.data.ljust(6, b"\0"))] if frame.identifier == cobid.rpdo(1, NODE) else [frame]
 
 

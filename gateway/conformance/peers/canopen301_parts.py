@@ -48,7 +48,7 @@ def beat_times(factor: float) -> Tune:
 
 
 def never_resets(drive: Drive) -> None:
-    """Reset communication keeps what was written."""
+    """Reset communication keeps the written values."""
     objects = drive.node.objects
     kept = objects.reset
     put(objects, reset=lambda node, application: kept(node, application) if application else None)
@@ -62,7 +62,7 @@ def no_store(drive: Drive) -> None:
 
 
 def restores_nothing(drive: Drive) -> None:
-    """Load is acknowledged, what was stored stays."""
+    """Load is acknowledged, the stored values stay."""
     drive.node.objects.checks[0x1011, 1] = lambda value: OK if value == 0x64616F6C else Abort.NO_STORE
 
 
@@ -188,7 +188,7 @@ def rpdo_at_once(drive: Drive) -> None:
 
 
 def first_rpdo(drive: Drive) -> None:
-    """Of several before a SYNC the first one counts."""
+    """With several before a SYNC the first one counts."""
     rpdo = drive.node._rpdo
 
     def taken(target: Rpdo, data: bytes, now: Ns) -> None:
@@ -290,7 +290,7 @@ class KeepsUnsaved(Drive):
 
 
 class LosesStored(Drive):
-    """What was stored is lost with the supply."""
+    """Stored values are lost with the supply."""
 
     def power(self, on: bool, now: Ns) -> None:
         if not on:
@@ -308,7 +308,7 @@ class NoBootAtPower(Drive):
 
 
 class Late(Drive):
-    """Its SDO answers come so much later."""
+    """Its SDO answers are delayed."""
 
     def __init__(self, late: Ns, identifiers: range = range(0x580, 0x600), tune: Tune | None = None) -> None:
         super().__init__(tune)

@@ -39,7 +39,7 @@ def stores_no_pdos(drive: Drive) -> None:
 
 
 def stores_once(drive: Drive) -> None:
-    """What was saved is never replaced."""
+    """Saved values are never replaced."""
     objects = drive.node.objects
     store = objects.checks[0x1010, 1]
     objects.checks[0x1010, 1] = lambda value: OK if value == SAVE and objects.stored else store(value)
@@ -88,7 +88,7 @@ def emcy_is_sync(drive: Drive) -> None:
 
 
 def watches_one(drive: Drive) -> None:
-    """Of 1016h the first entry counts."""
+    """Only the first entry of 1016h counts."""
     consumer, objects = drive.node.consumer, drive.node.objects
     load = consumer.load
 

@@ -31,7 +31,7 @@ class SecondToggle(SdoServer):
 
 
 class WritesAborted(SdoServer):
-    """Writes what has come so far when the client aborts."""
+    """Writes the data so far when the client aborts."""
 
     def handle(self, request: bytes, now: Ns) -> list[bytes]:
         if self._phase is Phase.DOWNLOAD and request[0] == sdo.Request.ABORT << 5 and self._data:
@@ -66,7 +66,7 @@ def no_sdo_at_work(drive: Drive, frame: Frame) -> Sequence[Frame]:
 
 
 def remembers(drive: Drive) -> None:
-    """Reset node keeps what was written."""
+    """Reset node keeps the written values."""
     reset = drive.node.objects.reset
     put(drive.node.objects, reset=lambda node, application: None if application else reset(node, application))
 
@@ -254,7 +254,7 @@ def _sound_but_for_length(drive: Drive, sound: Callable[[int], int], word: int) 
 
 
 class FreeTpdo(Tpdo):
-    """Can be mapped anew while it is valid."""
+    """Can be remapped while it is valid."""
 
     @property
     def _exists(self) -> bool:
@@ -328,7 +328,7 @@ def coarse_beats(drive: Drive) -> None:
 
 
 def never_says_gone(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    """No message that an error is gone."""
+    """Sends no message that an error is gone."""
     return [] if frame.identifier == cobid.emcy(NODE) and frame.data[:2] == b"\0\0" else [frame]
 
 

@@ -143,7 +143,7 @@ def _keeps_set_point(drive: Drive) -> None:
 
 
 def _value(key: Key, change: Callable[[int], int]) -> Tune:
-    """What the object holds counts as something else."""
+    """The value of the object is interpreted differently."""
 
     def tune(drive: Drive) -> None:
         axis = drive.axis

@@ -17,7 +17,7 @@ ERROR_REGISTER: Key = (0x1001, 0)
 
 
 def in_mode(mode: int, key: Key, change: Callable[[int], int]) -> Tune:
-    """What the object holds counts as something else in this mode."""
+    """The value of the object is interpreted differently in this mode."""
 
     def tune(drive: Drive) -> None:
         found = drive.axis.modes[mode]

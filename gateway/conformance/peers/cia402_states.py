@@ -113,7 +113,7 @@ def no_limits_when_cyclic(drive: Drive) -> None:
 
 
 def no_lower_limit(drive: Drive) -> None:
-    """Of 607Dh the upper limit counts."""
+    """Only the upper limit of 607Dh counts."""
     clip = drive.axis.clip
     put(drive.axis, clip=lambda position: position if position < drive.axis.position else clip(position))
 
@@ -166,7 +166,7 @@ def has_reference(drive: Drive) -> None:
 
 
 def changes_later() -> Drive:
-    """6060h acts after 300 ms, and 6061h shows it then; what is shown already does not change."""
+    """6060h acts after 300 ms, and 6061h shows it then; a value already shown does not change."""
 
     def hears(drive: Drive, frame: Frame) -> Sequence[Frame]:
         if drive.tally and drive.now >= drive.tally:

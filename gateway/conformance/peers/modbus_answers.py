@@ -26,7 +26,7 @@ def all_as(code: int) -> Answer:
 
 
 def writes_bad(device: Device, asked: bytes, said: bytes) -> bytes:
-    """Refuses a bad byte count, and writes all the same."""
+    """Refuses a bad byte count, but writes."""
     if said[0] == 0x90 and said[1] == 3 and len(asked) > 7:
         device.tables.write_words(asked[1] << 8 | asked[2], [0x5A5A])
     return said
@@ -63,7 +63,7 @@ def longer(functions: Sequence[int], size: int = 0) -> Answer:
 
 
 def limited(count: int) -> Answer:
-    """So many registers in one request, and no more."""
+    """At most so many registers in one request."""
 
     def changed(device: Device, asked: bytes, said: bytes) -> bytes:
         if said[0] & 0x80 or asked[0] not in (3, 4, 16):
@@ -89,7 +89,7 @@ def reads_first(device: Device, asked: bytes, said: bytes) -> bytes:
 
 
 def counts_written(device: Device, asked: bytes, said: bytes) -> bytes:
-    """The byte count of FC 23 is that of what was written."""
+    """The byte count of FC 23 is that of the written data."""
     return said[:1] + asked[9:10] + said[2:] if said[0] == 23 else said
 
 
@@ -143,7 +143,7 @@ def reads_126(device: Device, asked: bytes, said: bytes) -> bytes:
 
 
 class ForgetsWithTheClient(Device):
-    """What a client wrote is gone with its connection."""
+    """Values written by a client are lost with its connection."""
 
     def lost(self, now: Ns) -> Sequence[object]:
         self.tables = Tables()

@@ -130,7 +130,7 @@ class Device:
 
 
 class Busy(Device):
-    """Has no time for each 40th request: exception 06, the client asks again."""
+    """Too busy for every 40th request: exception 06, the client repeats it."""
 
     def serve(self, request: Request, now: Ns) -> bytes:
         if self.count % 40 == 39 and request.pdu and request.unit == 1:

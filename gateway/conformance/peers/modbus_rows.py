@@ -207,7 +207,7 @@ ROWS: tuple[Row, ...] = (
 
 
 def mutants(prefix: str, rtu: bool, more: Sequence[Row], without: Sequence[str] = ()) -> tuple[Mutant, ...]:
-    """Of both kinds of framing."""
+    """Mutants of both kinds of framing."""
     area = "RTU" if rtu else "TCP"
 
     def full(name: str) -> str:

@@ -86,7 +86,7 @@ class AnswersBroadcastInputs(Device):
 
 
 class WritesForOthers(Device):
-    """What is for another unit is executed without an answer."""
+    """Requests for another unit are executed without an answer."""
 
     def serve(self, request: Request, now: Ns) -> bytes:
         if request.unit > 1:

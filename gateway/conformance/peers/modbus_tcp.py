@@ -41,21 +41,21 @@ class ExceptionUnit(Device):
 
 
 class OtherUnitZero(Device):
-    """What is asked of unit 0 is answered as unit 1."""
+    """Requests to unit 0 are answered as unit 1."""
 
     def framed(self, said: bytes) -> bytes:
         return said[:6] + b"\1" + said[7:] if said[6:7] == b"\0" else said
 
 
 class LowTransaction(Device):
-    """Eight bits of the transaction come back."""
+    """Returns only eight bits of the transaction number."""
 
     def framed(self, said: bytes) -> bytes:
         return b"\0" + said[1:]
 
 
 class OneOfTen(Device):
-    """Of several requests in one segment the first is answered."""
+    """Of several requests in one segment only the first is answered."""
 
     def _take(self, events: Sequence[object], now: Ns) -> list[object]:
         return super()._take(events[:1], now)
@@ -114,7 +114,7 @@ class ByFunction(Device):
 
 
 class AnyProtocol(Device):
-    """Of the protocol identifier these bits do not count."""
+    """These bits of the protocol identifier are ignored."""
 
     def __init__(self, bits: int) -> None:
         super().__init__(False)

@@ -50,7 +50,7 @@ class ShortAfterStx(Sender):
 
 
 class Prolongs(Sender):
-    """With priority: the STX of the partner starts the acknowledgement delay anew."""
+    """With priority: the STX of the partner restarts the acknowledgement delay."""
 
     def hear(self, byte: int, now: Ns) -> bool:
         taken = super().hear(byte, now)
@@ -83,7 +83,7 @@ class ThirdConflict(Sender):
 
 
 class DeafAfterGap(Built):
-    """Hears no STX for a second after a block that broke off."""
+    """Ignores STX for a second after an interrupted block."""
 
     _until: Ns = 0
 

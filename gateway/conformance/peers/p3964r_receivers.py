@@ -74,7 +74,7 @@ class NoZeroFirst(Receiver):
 
 
 class PairKeepsTimer(Receiver):
-    """The second character of a pair does not start ZVZ anew."""
+    """The second character of a pair does not restart ZVZ."""
 
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         before = self.due if self._state is Hearing.ESCAPED else None
@@ -85,7 +85,7 @@ class PairKeepsTimer(Receiver):
 
 
 class Restarts(Receiver):
-    """02h inside a block begins it anew."""
+    """02h inside a block restarts it."""
 
     def _collect(self, data: bytes, at: int) -> int:
         if data[at] == Char.STX:
@@ -97,7 +97,7 @@ class Restarts(Receiver):
 
 
 class PairRestarts(Receiver):
-    """DLE STX inside a block begins it anew."""
+    """DLE STX inside a block restarts it."""
 
     def _broken_pair(self, byte: int) -> None:
         if byte != Char.STX:
@@ -307,7 +307,7 @@ class NaksGapTwice(Receiver):
 
 
 class TakesBrokenOff(Receiver):
-    """A block whose check never comes is refused, and handed over all the same."""
+    """A block whose check never comes is refused, but delivered."""
 
     def expire(self, now: Ns) -> None:
         data = bytes(self._data) if self._state is Hearing.CHECK else b""

@@ -240,7 +240,7 @@ class NakOpens(Built):
 
 
 class Echoes(Built):
-    """Each character comes back, as on a line whose wires touch."""
+    """Echoes each character, as on a line whose wires touch."""
 
     def receive(self, data: bytes, now: Ns) -> Sequence[object]:
         self._back = data

@@ -1,4 +1,4 @@
-"""A machine of characters with a supply: off, it is deaf and silent; on, it starts anew."""
+"""A machine of characters with a supply: off, it receives and sends nothing; on, it restarts."""
 
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -100,7 +100,7 @@ class ReadsBeyond(Blocks):
 
 
 class WritesToTheEnd(Blocks):
-    """What fits is written, then the job is refused."""
+    """The part that fits is written, then the job is refused."""
 
     def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
         if db in self.content:

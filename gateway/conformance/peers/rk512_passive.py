@@ -53,14 +53,14 @@ class StickyNumber(ChangedReactions):
 
 
 class ShortSends(Passive):
-    """Writes what came, whatever was announced."""
+    """Writes the received data, whatever was announced."""
 
     def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
         return None if header.command == 0x41 else super()._wrong_amount(header, data_bytes)
 
 
 class WritesThenRefuses(Passive):
-    """Writes what came, then finds the length wrong."""
+    """Writes the received data, then finds the length wrong."""
 
     def _wrong_amount(self, header: Header, data_bytes: int) -> tuple[int, str] | None:
         fault = super()._wrong_amount(header, data_bytes)
@@ -155,7 +155,7 @@ class LowAmount(Passive):
 
 
 class KeepsPieces(Passive):
-    """What an abandoned SEND brought is put before the next one."""
+    """The data of an abandoned SEND are put before the next one."""
 
     def telegram(self, data: bytes, now: Ns) -> list[PassiveEvent]:
         before = b""
@@ -229,7 +229,7 @@ class Slow(Built):
 
 
 class Beside(Built):
-    """A command whose block check was wrong is executed all the same."""
+    """A command with a wrong block check is executed."""
 
     def _handle(self, events: Sequence[object], now: Ns) -> Sequence[object]:
         handled = super()._handle(events, now)
@@ -239,7 +239,7 @@ class Beside(Built):
 
 
 class ReactsLate(Powered):
-    """What was asked before the power failure is answered after it."""
+    """A command before the power failure is answered after it."""
 
     def __init__(self) -> None:
         super().__init__(lambda: Late(RHO3, Priority.LOW, late=ms(20)))

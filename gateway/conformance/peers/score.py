@@ -27,7 +27,7 @@ TOUCH = {"db": (10,), "holding": tuple(range(120)), "coils": tuple(range(120))}
 
 @dataclass(frozen=True, slots=True)
 class Killed:
-    """What became of one mutant."""
+    """Result of one mutant."""
 
     mutant: Mutant
     fails: tuple[str, ...]

@@ -124,7 +124,7 @@ def _on_is_enable(booster: Booster, value: SetValue) -> SetValue:
 
 
 def _latches(name: str) -> Heard:
-    """What was set once stays set."""
+    """A bit once set stays set."""
 
     def heard(booster: Booster, value: SetValue) -> SetValue:
         booster.tally = booster.tally or int(getattr(value, name))
@@ -199,7 +199,7 @@ def _own_codes(booster: Booster, value: ActualValue) -> ActualValue:
 
 
 def _takes(status: Status) -> Answered:
-    """What it refuses with this status it calls taken."""
+    """Reports this status' refusal as accepted."""
     return lambda booster, answer: answer._replace(status=Status.TAKEN) if answer.status is status else answer
 
 
@@ -411,7 +411,7 @@ def _good(name: str, what: str, make: Callable[[], object], link: dict[str, obje
 
 
 def _chatty(booster: Booster, frame: Frame) -> Sequence[Frame]:
-    """Another module speaks as well."""
+    """Another module answers as well."""
     return [frame, Frame(codec().actual_id(4), bytes(8))] if frame.identifier == ACT else [frame]
 
 

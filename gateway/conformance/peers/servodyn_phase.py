@@ -19,14 +19,14 @@ UNSEEN = 3  # unchanged life counters that go unseen
 FED = replace(QUICK, speed_feed_forward=1.0)
 
 
-# ---- what is latched
+# ---- latched values
 def one_before(booster: Booster, value: ActualValue) -> ActualValue:
     before, booster.kept = booster.kept, value
     return value._replace(position_inc=before.position_inc if before is not None else value.position_inc)
 
 
 def own_timer(booster: Booster, value: ActualValue) -> ActualValue:
-    """The position of a timer of its own, up to a cycle old."""
+    """The position at a timer of its own, up to a cycle old."""
     speed = booster.axis.servo.speed_rad_s * INC_PER_TURN / (2 * pi)
     return value._replace(position_inc=value.position_inc - round(speed * (booster.now % CYCLE) / 1e9))
 
@@ -52,7 +52,7 @@ def first_counts(booster: Booster, frame: Frame) -> Sequence[Frame]:
     return [frame]
 
 
-# ---- what is reported
+# ---- reported values
 def code_changes(booster: Booster, value: ActualValue) -> ActualValue:
     """The second telegram of a fault names the next one."""
     booster.tally = booster.tally + 1 if value.fault else 0
@@ -72,7 +72,7 @@ def swapped(value: int) -> int:
     return int.from_bytes((value & 0xFFFF).to_bytes(2, "big"), "little", signed=True)
 
 
-# ---- what is taken
+# ---- accepted values
 def feed_forward(factor: float) -> Heard:
     return lambda booster, value: value._replace(speed_rpm=max(min(round(factor * value.speed_rpm), 32767), -32768))
 
@@ -146,7 +146,7 @@ def narrow(bits: int) -> Heard:
 
 
 class Creeps(Booster):
-    """A set position that is far away when control begins is gone to."""
+    """Moves to a distant set position when control begins."""
 
     def __init__(self) -> None:
         super().__init__(sets=lambda booster, value: self.heard(value))

@@ -15,7 +15,7 @@ from protocols.rk512.dialects import DIALECTS, STANDARD
 from protocols.rk512.passive import Passive
 from protocols.rk512.station import Station as Roles
 
-OWN_BLOCK = b"U\x10\x02\x15V\x10\x10W"  # what a station here sends: control characters among the data
+OWN_BLOCK = b"U\x10\x02\x15V\x10\x10W"  # block sent by a station here: control characters among the data
 DLE, NAK, STX = (bytes((char,)) for char in (Char.DLE, Char.NAK, Char.STX))
 
 

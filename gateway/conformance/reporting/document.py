@@ -1,4 +1,4 @@
-"""The report as one JSON object, format 1: what `--json` prints, and what pages, JUnit and `compare` are made from."""
+"""The report as one JSON object, format 1: output of `--json`, and source of pages, JUnit and `compare`."""
 
 import datetime
 import hashlib
@@ -80,7 +80,7 @@ def _bench(bench: Bench) -> Json:
 
 
 def plain(value: object) -> object:
-    """What JSON can hold; dates of a TOML file as text."""
+    """Convert to JSON types; dates of a TOML file as text."""
     if isinstance(value, Mapping):
         return {str(key): plain(one) for key, one in value.items()}
     if isinstance(value, (list, tuple)):
@@ -145,7 +145,7 @@ def trace(result: Result) -> str:
 
 
 def coverage(results: Sequence[Result]) -> Json:
-    """Requirement -> the cases that ask it, and the worst verdict."""
+    """Requirement -> its cases, and the worst verdict."""
     found: dict[str, list[Result]] = {}
     for result in results:
         for requirement in result.purpose.requirements:
@@ -157,7 +157,7 @@ def coverage(results: Sequence[Result]) -> Json:
 
 
 def code_of(results: Sequence[Result]) -> int:
-    """Exit code: waived cases do not count, nor what is INCONC because of one."""
+    """Exit code: waived cases do not count, nor those INCONC because of one."""
     waived = {result.purpose.id for result in results if result.waived is not None}
     follows = {result.purpose.id for result in results if result.verdict is Verdict.INCONC and result.caused_by in waived}
     counted = (result for result in results if result.purpose.id not in waived | follows)

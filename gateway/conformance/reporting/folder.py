@@ -19,7 +19,7 @@ WORSE = {verdict: weight for weight, verdict in enumerate(("N/A", "PASS", "WARN"
 
 
 class BadReport(Exception):
-    """What is wrong with a report, in one sentence."""
+    """Fault of a report, in one sentence."""
 
 
 def write_folder(folder: pathlib.Path, found: Json, results: Sequence[Result], language: str) -> list[pathlib.Path]:
@@ -51,7 +51,7 @@ def _forget(folder: pathlib.Path, files: Collection[pathlib.Path]) -> None:
 
 
 def _written(path: pathlib.Path, content: bytes) -> None:
-    """Whole or not at all: half a report would look like one."""
+    """Write completely or not at all: half a report would look like one."""
     part = path.with_name(path.name + ".part")
     try:
         part.write_bytes(content)
@@ -125,7 +125,7 @@ def verify(folder: pathlib.Path) -> list[str]:
 
 
 def _own_sum(folder: pathlib.Path) -> list[str]:
-    """The check sum inside the document: it is on page 1 as well, so a list made anew is found."""
+    """The checksum inside the document: it is also on page 1, so a regenerated list is detected."""
     try:
         found = load(folder)
         page = (folder / PAGE).read_text(encoding="utf-8")

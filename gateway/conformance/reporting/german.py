@@ -1,4 +1,4 @@
-"""The German of what a run reports of its cases, by `configs/texts/conformance-*.toml`.
+"""German of a run's reports about its cases, from `configs/texts/conformance-*.toml`.
 
 The page and the lines of the run are in the user's language; JSON, JUnit and traces are in English, so that two reports can be compared.
 """
@@ -28,13 +28,13 @@ def verdict_text(sentence: str, language: str) -> str:
     """A sentence about a case, in that language; as it is where it has no German."""
     if language != "de":
         return sentence
-    if found := NOT_RUN.fullmatch(sentence):  # why the other one failed is a sentence of its own, which may be one of these again
+    if found := NOT_RUN.fullmatch(sentence):  # the other one's reason is a sentence of its own, which may be one of these again
         return GERMAN[NEEDED].format(found[1], found[2], verdict_text(found[3], language))
     return spoken(*text_files()).german(sentence)
 
 
 def in_german(found: Mapping[str, object]) -> Json:
-    """A report whose sentences are German: reasons, what was expected and got, names of times, remarks, what was assumed."""
+    """A report with German sentences: reasons, expected and received values, names of times, remarks, assumptions."""
     pics = cast(Json, found.get("pics") or {})
     assumed = [verdict_text(str(each), "de") for each in cast(list[object], pics.get("assumed", []))]
     return {**found, "cases": [_case(each) for each in cases_of(found)], "pics": {**pics, "assumed": assumed}}

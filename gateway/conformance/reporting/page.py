@@ -12,7 +12,7 @@ Word = Callable[..., str]
 COLOURS = {"PASS": "#1a7f37", "FAIL": "#b3261e", "WARN": "#8a5a00", "INCONC": "#5b3b9b", "N/A": "#666", "ERROR": "#b3261e"}
 FINDINGS = ("FAIL", "ERROR", "INCONC", "WARN")
 TRACE = 420
-LINE, CODE_LINE, ROW = 18.5, 15.5, 9.0  # heights in CSS pixels: a line of text, of a trace, what a table row has around it
+LINE, CODE_LINE, ROW = 18.5, 15.5, 9.0  # heights in CSS pixels: a line of text, of a trace, the padding of a table row
 ROOM, COVER_LINES = 900.0, 12  # of a sheet, without heading and footer; lines of findings on the first one with three rows about the device
 WIDE, LEFT, RIGHT, CODE, IDS = 84, 29, 48, 52, 54  # characters in a line of the findings, the columns of a case, a trace, the coverage
 LINES = ("3964r", "rk512", "modbus-rtu", "interop")  # suites whose port has a character format
@@ -85,7 +85,7 @@ def _rows(rows: Sequence[tuple[str, object]]) -> str:
 
 
 def _lines(text: object, width: int) -> int:
-    """Of a text that wraps; a wide font is assumed."""
+    """Lines of a text that wraps, assuming a wide font."""
     return -(-len(str(text)) // width)
 
 

@@ -11,7 +11,7 @@ from protocols.p3964r.profiles import Priority, Profile
 
 TOLERANCE = ms(20)  # and one character time (serial-protocols 6)
 QUIET = ms(300)  # longer than the longest character delay
-MOST_BLOCKS = 32  # a partner may have to say before it is quiet
+MOST_BLOCKS = 32  # of a partner before it is quiet
 NAMES = {Char.STX: "STX", Char.DLE: "DLE", Char.NAK: "NAK", Char.ETX: "ETX", Char.ETB: "ETB"}
 
 
@@ -49,7 +49,7 @@ class Measured:
 
 @dataclass(slots=True)
 class Notes:
-    """What one test saw."""
+    """Observations of one test."""
 
     times: list[Measured] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
@@ -83,7 +83,7 @@ class Bench:
         self.wire, self.profile, self.priority, self.stimulus, self.hold = wire, profile, priority, stimulus, hold
         self.notes = Notes()
         self.mark: Ns = 0  # end of the last character sent or received
-        self.harmless = b"UC"  # a block that is answered by nothing of its own
+        self.harmless = b"UC"  # a block that causes no block in return
 
     @property
     def tolerance(self) -> Ns:
@@ -117,7 +117,7 @@ class Bench:
         return heard
 
     def answer(self, within: Ns) -> int | Damage | None:
-        """The next character, at most so long after the last one on the line; None: silence."""
+        """The next character, within this time after the last one on the line; None: silence."""
         heard = self._hear(self.mark + within)
         return None if heard is None else heard.what
 
@@ -141,7 +141,7 @@ class Bench:
         self.measured(said("{} after {}", named(char), after), self.mark - start, due)
 
     def silence(self, how_long: Ns, after: str) -> None:
-        """Nothing comes so long."""
+        """No character for so long."""
         got = self.answer(how_long)
         if got is not None:
             raise Fail(said("after {}: {}, expected silence for {:.0f} ms", after, named(got), how_long / 1e6))
@@ -176,7 +176,7 @@ class Bench:
             raise Fail(said("after {}: {}, expected DLE", what, named(got)))
 
     def make_it_send(self, after: str = "the stimulus") -> None:
-        """The station's STX is there."""
+        """Wait for the station's STX."""
         if self.stimulus is None:
             raise NotRun("the station is not made to send (--stimulus none)")
         self.stimulus.trigger(self)

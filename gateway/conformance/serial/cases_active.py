@@ -1,6 +1,6 @@
-"""The station is active: it sends a command telegram and gets reactions of every wrong kind; then it must still work (serial-protocols 6).
+"""Active station: it sends a command telegram and gets faulty reactions of every kind; then it must still work (serial-protocols 6).
 
-What its program receives cannot be seen on the line; that it neither hangs nor repeats for ever, and serves the next job, can.
+The line does not show what its program receives, but shows that it neither hangs nor repeats for ever, and serves the next job.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,7 @@ def cases(reaction_time: Ns) -> list[Case]:
 
 
 def right_reaction(command: bytes) -> bytes:
-    """What a good passive station would answer, with zeros for data."""
+    """The reaction of a good passive station, with zeros for data."""
     if len(command) < 10 or command[2] not in (SEND, FETCH):
         raise NotRun(said("the station's block {} is no RK512 command", command[:10].hex(" ")))
     words = int.from_bytes(command[6:8], "big") if command[2] == FETCH else 0

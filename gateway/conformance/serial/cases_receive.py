@@ -17,7 +17,7 @@ FILL_UP = 8  # blocks that are offered to fill a buffer
 
 
 def expect_stray_answer(bench: Bench, after: str) -> None:
-    """What this profile answers to a character in idle."""
+    """Answers of this profile to a character in idle."""
     match bench.profile.stray:
         case Stray.SILENT:
             bench.silence(bench.profile.char_delay + bench.tolerance, after)
@@ -70,7 +70,7 @@ def fill(bench: Bench) -> None:
             said_too = bench.answer(bench.tolerance)
             if said_too is not None:
                 raise Fail(said("with priority it must ignore our STX and wait: {}{}", named(said_too), ""))
-            bench.take()  # it has something to say first
+            bench.take()  # it has something to send first
             continue
         if got == Char.STX:
             got = bench.answer(bench.profile.ack_delay)

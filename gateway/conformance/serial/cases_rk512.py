@@ -1,7 +1,7 @@
 """RK512 on the link: FETCH, SEND, follow-on telegrams and every error number a passive station must show (serial-protocols 2 and 6).
 
-Writing happens only where --write allows it, and writes back what was read there.  A number another source has for the same fault is a
-WARN, not a FAIL: the tables of the makers differ (AX-053).
+It writes only where --write allows it, and writes the former values back.  A number that another source uses for the same fault is a WARN,
+not a FAIL: the tables of the makers differ (AX-053).
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ PLANTED = bytes.fromhex("5510 4110 1003 1010 1055 0210 0010 10ff")  # 10h alone,
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """What may be touched: a data block that exists, from which word on, how many words; missing: one that does not exist."""
+    """The permitted area: a data block that exists, from which word on, how many words; missing: one that does not exist."""
 
     db: int = 10
     word: int = 0
@@ -163,7 +163,7 @@ def _planted(found: Cases, place: Place) -> None:
 
 
 def _write(bench: Bench, place: Place, content: bytes) -> None:
-    """Words that nobody but this case wants there."""
+    """Words that only this case may place there."""
     reaction = ask(bench, place, header(SEND, TYPE_DB, place.db, place.word, len(content) // 2) + content)
     if reaction[3] or len(reaction) != 4:
         raise Fail(said("SEND of {} words: reaction {}, expected 00 00 00 00", len(content) // 2, reaction.hex(" ")))

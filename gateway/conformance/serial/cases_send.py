@@ -114,7 +114,7 @@ def nak_in_block(bench: Bench) -> None:
 
 
 def _last_before_silence(bench: Bench, pause: Ns) -> int | Damage | None:
-    """What was under way still comes; 02h may be data, so the last character before a silence counts."""
+    """Data on the way still arrive; 02h may be data, so the last character before a silence counts."""
     last = None
     while (got := bench.answer(pause + bench.tolerance + ms(30))) is not None:
         last = got

@@ -1,4 +1,4 @@
-"""Lines with one fault each, wrapped round a good one: what `diagnose` has to distinguish.  Also reached as sim:NAME."""
+"""Lines with one fault each, around a good one: faults that `diagnose` must distinguish.  Also available as sim:NAME."""
 
 from collections import deque
 from collections.abc import Callable
@@ -9,14 +9,14 @@ from protocols.base.machine import Damage, Ns, ms
 
 
 class Around:
-    """A wire that changes what passes; the rest is the wire below."""
+    """A wire that changes the characters; the rest is the wire below."""
 
     simulated = True
 
     def __init__(self, wire: VirtualWire) -> None:
         self.wire, self.name, self.char_ns = wire, wire.name, wire.char_ns
         self.late_ns: Ns = 0
-        self._own: deque[Heard] = deque()  # comes besides what the partner says
+        self._own: deque[Heard] = deque()  # characters in addition to the partner's
 
     def now(self) -> Ns:
         return self.wire.now()
@@ -50,7 +50,7 @@ class Around:
         self.wire.close()
 
     def comes_back(self, data: bytes, what: Callable[[int, int], int | Damage | None]) -> None:
-        """Own characters that come back; `what(place, byte)`: as what, None: not at all."""
+        """Own characters that are echoed; `what(place, byte)`: the echo, None: no echo."""
         start = max(self.now(), self.wire.drained() - len(data) * self.char_ns)
         for at, byte in enumerate(data):
             heard = what(at, byte)
@@ -67,7 +67,7 @@ class Echo(Around):
 
 
 class CrossTalk(Around):
-    """An open receiving pair that picks up some of what the other pair carries."""
+    """An open receiving pair that picks up part of the other pair's signal."""
 
     def write(self, data: bytes) -> None:
         self.wire.write(b"")

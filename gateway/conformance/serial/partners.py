@@ -25,7 +25,7 @@ STX, DLE, ETX, NAK = (bytes((char,)) for char in (Char.STX, Char.DLE, Char.ETX, 
 
 
 class Blocks:
-    """Data blocks of a simulated station, WORDS words each; what was written stays."""
+    """Data blocks of a simulated station, WORDS words each; written values stay."""
 
     def __init__(self, numbers: Sequence[int] = BLOCKS) -> None:
         self.content = {number: bytearray(bytes((number, 0)) * WORDS) for number in numbers}
@@ -115,7 +115,7 @@ class NoNak(Station):
 
 
 class DropsItsJob(Station):
-    """Gives way in a conflict, as without priority, and forgets its own job."""
+    """Yields in a conflict, as without priority, and drops its own job."""
 
     def __init__(self, profile: Profile, priority: Priority, layer: str = "rk512") -> None:
         super().__init__(profile, Priority.LOW, layer)
@@ -218,7 +218,7 @@ class OwnCheck(Station):
         if _is_block(output):
             return output[:-1] + bytes((self._wrong(output),))
         if output[-1:] == NAK:
-            self._inside = False  # the block was given up
+            self._inside = False  # the block was aborted
         return output
 
     def receive(self, data: bytes, now: Ns) -> Sequence[object]:

@@ -14,12 +14,12 @@ from gateway.pure.lines.texts import said
 from protocols.base.machine import Ns, ms
 from protocols.p3964r.profiles import Priority, Profile
 
-LATE = TOLERANCE // 2  # this program was held up so long: a FAIL of this test proves nothing
+LATE = TOLERANCE // 2  # this program was delayed so long: a FAIL of this test proves nothing
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What is known of the station under test."""
+    """Known facts about the station under test."""
 
     profile: Profile
     priority: Priority  # of the station
@@ -97,7 +97,7 @@ def probe(
     """Every case once; `on_result` gets each result at once.  PortError when the port goes away."""
     bench = Bench(wire, settings.profile, settings.priority, stimulus_of(wire, settings, ask_operator), hold_of(wire))
     if settings.layer == "rk512":
-        bench.harmless = bytes(4)  # a reaction nobody awaits
+        bench.harmless = bytes(4)  # an unexpected reaction
     results: list[Result] = []
     for case in all_cases(settings):
         result = run_case(bench, case, clean=not results or results[-1].verdict == "PASS")
@@ -146,7 +146,7 @@ def counted(results: Sequence[Result]) -> dict[str, int]:
 
 
 def _layers(results: Sequence[Result], settings: Settings) -> str:
-    """What the station was judged by: RK512 only where a test of it came to its end."""
+    """The layers judged: RK512 only if one of its tests was completed."""
     rk512 = any(result.verdict in JUDGED and result.case.name.startswith(("rk512.", "active.")) for result in results)
     layers = "3964R and RK512" if rk512 else "3964R"
     return layers if settings.profile.block_check else layers.replace("3964R", "3964")

@@ -35,7 +35,7 @@ def named(what: int | Damage | None) -> str:
 
 @dataclass(slots=True)
 class LineSetup:
-    """What is known of the station and the bench."""
+    """Known facts about the station and the bench."""
 
     profile: Profile
     priority: Priority | None  # of the station; None: not known
@@ -60,7 +60,7 @@ class LineSetup:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A block of the station: its data, and what was wrong with its form ("": nothing)."""
+    """A block of the station: its data, and the fault of its form ("": none)."""
 
     data: bytes
     fault: str = ""
@@ -77,7 +77,7 @@ class LineTester(Tester):
         self.clock = "virtual" if wire.simulated else "monotonic clock of this host, at the port"
         self.slowest: Ns = 0  # its longest DLE after STX so far
         self.judges_form = False  # of the blocks of reactions: not during discovery
-        self.on_block: Callable[[bytes], None] | None = None  # what is made of a block that came unasked
+        self.on_block: Callable[[bytes], None] | None = None  # handler of an unexpected block
         self.unanswered = b""  # the station's last block, until a telegram of ours follows it
         self.on_unanswered: Callable[[bytes], bool] | None = None  # sends what the station waits for before its next job, if it can
         self._answering = False
@@ -111,7 +111,7 @@ class LineTester(Tester):
         return self.wire.char_ns + self._host.ends(self.wire, since), self.wire.char_ns + self._host.within(self.wire, since)
 
     def _left_open(self, since: Ns) -> Ns:
-        """What a wait since then still leaves to a device that this host holds up."""
+        """Share of a wait since then that remains for a device delayed by this host."""
         return 0 if self.wire.simulated else self.wire.char_ns + self._host.within(self.wire, since)
 
     def begin(self) -> None:
@@ -153,7 +153,7 @@ class LineTester(Tester):
         return self._hear(until)
 
     def answer(self, within: Ns) -> int | Damage | None:
-        """The next character, at most so long after the last one on the line; None: silence."""
+        """The next character, within this time after the last one on the line; None: silence."""
         return self._hear(self.mark + within)
 
     def awaited(self, within: Ns) -> int | Damage | None:
@@ -231,7 +231,7 @@ class LineTester(Tester):
                 if not self.on_unanswered(job):
                     break
                 answered += 1
-        except Ended:  # a case of its own judges what it does with the answer
+        except Ended:  # a case of its own judges the station's handling of the answer
             pass
         finally:
             self._answering = False
@@ -275,7 +275,7 @@ class LineTester(Tester):
         return Block(bytes(data), odd, bytes(raw))
 
     def settle(self, quiet: Ns | None = None) -> None:
-        """Takes whatever the station still has to say until it is quiet; INCONC where it never is."""
+        """Accept what the station still has to send until it is quiet; INCONC if it never is."""
         wait = self.profile.char_delay + QUIET if quiet is None else quiet
         self.mark = max(self.mark, self.wire.now())
         blocks, characters = 0, 0
@@ -325,14 +325,14 @@ class LineTester(Tester):
         raise Disturbed("the station sends without a pause", "DLE (10h)", "STX (02h)")
 
     def _let_go(self, until: Ns) -> None:
-        """What it has to say until then is served; whether it says that well is another question."""
+        """Serve what it sends until then; the form is not judged here."""
         while (got := self._hear(until)) is not None:
             if got == Char.STX:
                 self.serve()
 
     @contextlib.contextmanager
     def each_stx(self) -> Iterator[None]:
-        """Meanwhile the answer to STX is judged with each block: in a long run no other case finds the one that is missing."""
+        """Within the block the answer to STX is judged with each block: in a long run no other case finds a missing one."""
         self._judges_stx = True
         try:
             yield
@@ -362,7 +362,7 @@ class LineTester(Tester):
         self.unanswered = b""
 
     def good_once(self, data: bytes, what: str) -> None:
-        """A good block with one answer: what took a character inside for the end, or for a wish, answers that as well."""
+        """A good block with one answer: a station that took a character inside for the end, or for a request, answers that as well."""
         self.good(data, what)
         got = self.answer(6 * self.wire.char_ns + ms(5))
         if got == Char.STX:
@@ -382,7 +382,7 @@ class LineTester(Tester):
         return bytes(4) if self.setup.pics.get("rk512") else b"UC"
 
     def starts_sending(self) -> None:
-        """The station is made to send; its STX is there."""
+        """Make the station send; wait for its STX."""
         if self.setup.stimulus is None:
             raise NotApplicable("the bench names no [stimulus] and the station has none of its own")
         with self.given():

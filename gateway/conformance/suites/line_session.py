@@ -1,4 +1,4 @@
-"""A 3964R station at a port: what is known of it from bench and PICS, what is found out, how it is made to send."""
+"""A 3964R station at a port: facts from bench and PICS, discovery, stimulation of its own jobs."""
 
 import contextlib
 import subprocess
@@ -53,7 +53,7 @@ class LineSession:
         if self._layer() is not False:
             self.tester.on_unanswered = self._react
 
-    # ---- what bench and PICS say
+    # ---- facts from bench and PICS
     def _setup(self, seed: int) -> LineSetup:
         link = self._bench.link
         write = tuple(self._bench.touch.get("db", ()))
@@ -108,7 +108,7 @@ class LineSession:
         assert isinstance(wire, VirtualWire)
         return lambda on: wire.act(lambda now: hold(on, now))
 
-    # ---- what is found out
+    # ---- discovery
     def discover(self) -> Mapping[str, object]:
         setup, pics = self.setup, self.pics
         setup.pics = pics
@@ -148,7 +148,7 @@ class LineSession:
         return True
 
     def _try(self, db: int, word: int, words: int) -> bool | None:
-        """None: no reaction at all.  Asked again where it stumbles: a size that is found out too small accuses it of serving more."""
+        """None: no reaction at all.  Repeated after a failure: a size discovered too small would accuse it of serving more."""
         for _ in range(LOOKS):
             try:
                 found = ask(self.tester, fetch(db, word, words))
@@ -245,7 +245,7 @@ class LineSession:
         press(self._bench.stimulus)
 
     def _sends_commands(self) -> bool:
-        """Whether its own blocks are RK512 commands; an operator is not asked for that."""
+        """Whether its own blocks are RK512 commands; the operator is not asked about it."""
         setup = self.setup
         spoken = self._rk512 or (self._both and self.pics["rk512"])
         if setup.stimulus is None or setup.stimulus_name in ("fetch", "operator") or not spoken:

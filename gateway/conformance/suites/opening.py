@@ -29,7 +29,7 @@ def silent(text: str) -> None:
 
 @dataclass(slots=True)
 class Opened:
-    """What a session is made of.  open_port is handed in: which addresses there are is known above this room."""
+    """Parts of a session.  open_port is passed in: the kinds of addresses are known above this room."""
 
     bench: Bench
     pics: Mapping[str, object]

@@ -1,4 +1,4 @@
-"""The PICS of each suite: what a maker states of the device."""
+"""The PICS of each suite: statements of the maker about the device."""
 
 from dataclasses import dataclass
 

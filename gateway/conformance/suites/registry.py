@@ -52,7 +52,7 @@ REFUSES = ("CO301_SDO_BO_01", "CO301_DIC_BV_06", "CO301_ERR_BV_22")  # judge an 
 
 
 def _behind_aborts(purposes: Sequence[Purpose[Tester]]) -> Sequence[Purpose[Tester]]:
-    """What judges aborts starts from their form: one wrong form is one FAIL."""
+    """Cases that judge aborts depend on the case of their form: one wrong form is one FAIL."""
     form = "CO301_SDO_BI_12"
 
     def behind(one: Purpose[Tester]) -> Purpose[Tester]:

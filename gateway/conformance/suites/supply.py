@@ -34,7 +34,7 @@ def _power(wire: Wire) -> Callable[..., None] | None:
 
 
 def _pass(wire: Wire, time: Ns) -> None:
-    """What comes meanwhile is of the time before."""
+    """Skip frames of the time before."""
     until = wire.now() + time
     while wire.hear(until) is not None:
         pass
@@ -45,7 +45,7 @@ def _wait(time_ns: Ns) -> None:
 
 
 def line_supply(opened: Opened, tester: LineTester, replaced: Callable[[Wire], None]) -> Supply | None:
-    """A port in real time is closed meanwhile: it may go with the device."""
+    """A port in real time is closed within the block: it may disappear with the device."""
     if isinstance(tester.wire, VirtualWire):
         return _of_machine(lambda: tester.wire, opened)
     turn = opened.turn()

@@ -22,7 +22,7 @@ SILENT = "no answer"
 
 @dataclass(slots=True)
 class NodeSetup:
-    """What is known of the node and the bench."""
+    """Known facts about the node and the bench."""
 
     node: int = 1
     wait: Ns = ms(1000)  # an SDO answer
@@ -161,7 +161,7 @@ class NodeTester(CanTester):
 
     @contextmanager
     def kept(self, *keys: Key) -> Iterator[list[int]]:
-        """What these objects hold now is written back afterwards, in reverse order.  N/A where the device has one of them not."""
+        """Write the present values of these objects back afterwards, in reverse order.  N/A if the device lacks one of them."""
         with self.given():
             before = [self._offered(key) for key in keys]
         try:
@@ -234,7 +234,7 @@ class NodeTester(CanTester):
 
     @contextmanager
     def beating(self, period_ms: int = 20) -> Iterator[None]:
-        """The node produces heartbeats meanwhile."""
+        """The node produces heartbeats within the block."""
         with self.kept(HEARTBEAT):
             with self.given():
                 self.download(HEARTBEAT, period_ms, 2)
@@ -242,7 +242,7 @@ class NodeTester(CanTester):
 
     @contextmanager
     def operational(self) -> Iterator[None]:
-        """NMT state operational meanwhile."""
+        """NMT state operational within the block."""
         self.command(nmt.Command.START)
         self.pause(ms(2))
         try:
@@ -253,7 +253,7 @@ class NodeTester(CanTester):
 
     @contextmanager
     def stopped(self) -> Iterator[None]:
-        """NMT state stopped meanwhile."""
+        """NMT state stopped within the block."""
         self.command(nmt.Command.STOP)
         self.pause(ms(5))
         try:
@@ -266,7 +266,7 @@ class NodeTester(CanTester):
         self.say_on(cobid.SYNC, data)
 
     def on_grid(self, count: int = 1) -> None:
-        """So many SYNCs, each a cycle after the one before, whatever was done between."""
+        """So many SYNCs, each a cycle after the one before, regardless of other actions between."""
         for _ in range(count):
             self._grid = max(self._grid + self.period, self.now())
             self.pause(self._grid - self.now())

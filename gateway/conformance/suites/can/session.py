@@ -1,4 +1,4 @@
-"""A CANopen node at a bus: which node, what it offers; before each case it is pre-operational and idle."""
+"""A CANopen node at a bus: its number, its features; before each case it is pre-operational and idle."""
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -68,7 +68,7 @@ def read_eds(bench: Bench) -> tuple[ObjectDictionary | None, list[str]]:
 
 
 class NodeSession:
-    """One run; `look` adds what a suite on top of CiA 301 asks."""
+    """One run; `look` adds the discovery of a suite on top of CiA 301."""
 
     def __init__(
         self, opened: Opened, look: Callable[[NodeTester, dict[str, object]], None] | None = None, more: tuple[str, ...] = ()
@@ -88,7 +88,7 @@ class NodeSession:
         witness = opened.witness
         self.tester = NodeTester(opened.bus, self.setup, witness.late if witness is not None else lambda: 0)
 
-    # ---- what it offers
+    # ---- features
     def discover(self) -> Mapping[str, object]:
         tester, pics = self.tester, self.pics
         tester.pause(ms(200))
@@ -120,7 +120,7 @@ class NodeSession:
         return pics
 
     def _derived(self) -> None:
-        """What follows from the bench and the port."""
+        """Facts derived from the bench and the port."""
         pics, bench = self.pics, self._opened.bench
         simulated = self.tester.wire.simulated
         pics.setdefault("reset", True)
@@ -151,7 +151,7 @@ class NodeSession:
         self._set("mapping", found)
 
     def _written_back(self, index: int, *more: tuple[tuple[int, int], int, int]) -> bool:
-        """Not valid meanwhile; False: something of it was refused."""
+        """Invalid within the block; False: a part of it was refused."""
         tester, found = self.tester, False
         with suppress(Ended):
             cob, kind = tester.number((index, 1)), tester.number((index, 2))

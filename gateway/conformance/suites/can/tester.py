@@ -1,4 +1,4 @@
-"""The tester's side of a CAN bus: frames sent and received, and what comes unasked."""
+"""The tester's side of a CAN bus: frames sent and received, also unexpected ones."""
 
 import itertools
 from collections import deque
@@ -60,7 +60,7 @@ class CanTester(Tester):
         self.say_on(identifier, data)
 
     def say_on(self, identifier: int, data: bytes = b"") -> None:
-        """As `say`, in the midst of something: what was kept stays."""
+        """As `say`, within a sequence: kept frames stay."""
         self.asked_at = self.wire.send(Frame(identifier, data))
         self._note(self.asked_at, "tester", data, identifier)
 
@@ -102,7 +102,7 @@ class CanTester(Tester):
         return None
 
     def pause(self, time: Ns) -> list[Frame]:
-        """Time passes; what was received meanwhile."""
+        """Wait; return the frames received."""
         until, found = self.now() + time, list[Frame]()
         while (frame := self._next(until)) is not None:
             found.append(frame)
@@ -110,11 +110,11 @@ class CanTester(Tester):
         return found
 
     def drain(self) -> None:
-        """What was received so far is of no interest."""
+        """Discard the frames received so far."""
         self._kept.clear()
 
     def collect(self, identifier: int, count: int, wait: Ns) -> list[Frame]:
-        """The next `count` frames on this identifier; fewer where one stays away for so long."""
+        """The next `count` frames on this identifier; fewer if one is missing for so long."""
         found: list[Frame] = []
         while len(found) < count and (frame := self.hear((identifier,), wait)) is not None:
             found.append(frame)
@@ -137,7 +137,7 @@ def gaps(frames: Sequence[Frame]) -> list[Ns]:
 
 @contextmanager
 def afterwards(*acts: Callable[[], object]) -> Iterator[None]:
-    """What a case changed is set back, whatever came of it."""
+    """Restore what a case changed, whatever its result."""
     try:
         yield
     finally:

@@ -1,4 +1,4 @@
-"""CANopen, the object dictionary: mandatory objects, what the EDS states, what is not there (CiA 301, 7.4 and 7.5)."""
+"""CANopen, the object dictionary: mandatory objects, statements of the EDS, missing objects (CiA 301, 7.4 and 7.5)."""
 
 from gateway.conformance.suites.can.node import DEVICE_TYPE, IDENTITY, Aborted, NodeTester, named
 from gateway.pure.conformance.purpose import Purposes

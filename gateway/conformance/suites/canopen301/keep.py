@@ -25,7 +25,7 @@ KEPT = "CO301_STO_BV_01"
 
 @contextmanager
 def defaults(t: NodeTester) -> Iterator[None]:
-    """What was stored meanwhile is the default again."""
+    """Restore the default of what was stored within the block."""
     try:
         yield
     finally:
@@ -122,7 +122,7 @@ def _waiting(t: NodeTester) -> None:
 
 @contextmanager
 def _configuring(t: NodeTester) -> Iterator[lss.Identity]:
-    """Selected by its address meanwhile."""
+    """Selected by its address within the block."""
     address = _address(t)
     with t.given():
         got = _select(t, address)

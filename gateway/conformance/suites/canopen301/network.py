@@ -1,4 +1,4 @@
-"""CANopen, NMT slave: boot-up, states, commands for others, what is served in which state (CiA 301, 7.3.2)."""
+"""CANopen, NMT slave: boot-up, states, commands for others, services in each state (CiA 301, 7.3.2)."""
 
 from gateway.conformance.suites.can.node import DEVICE_TYPE, HEARTBEAT, NodeTester
 from gateway.conformance.suites.can.tester import shown
@@ -47,7 +47,7 @@ def reset_communication(t: NodeTester) -> None:
 
 
 def _instead(t: NodeTester, since: int) -> str:
-    """What the node sent on the identifier of its boot-up message."""
+    """Frames that the node sent on the identifier of its boot-up message."""
     found = [frame for frame in t.heard[since:] if frame.identifier == cobid.heartbeat(t.setup.node)]
     return shown(found[0] if found else None)
 
@@ -223,5 +223,5 @@ def _own(t: NodeTester) -> dict[int, tuple[int, ...]]:
 
 
 def _of_others(identifier: int, node: int) -> bool:
-    """A node number of somebody else, as the predefined connection set has it."""
+    """A node number of another device, in the predefined connection set."""
     return identifier & 0x7F not in (0, node) and identifier >= 0x81

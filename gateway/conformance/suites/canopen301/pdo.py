@@ -123,7 +123,7 @@ def contents(t: NodeTester) -> None:
     with t.given():
         parts = mapping(t, 0x1A00)
     with transmission(t, 1) as identifier:
-        for _ in range(3):  # a value that changes meanwhile is read again
+        for _ in range(3):  # a value that changes in between is read again
             with t.given():
                 before = mapped_value(t, parts)
             frames = synced(t, identifier, 1)[0]
@@ -252,7 +252,7 @@ class Target:
         return total.to_bytes((place + 7) // 8, "little")
 
     def others(self, t: NodeTester) -> dict[Key, bytes]:
-        """What the other objects of the RPDO hold."""
+        """Values of the other objects of the RPDO."""
         keys = [(part.index, part.sub) for part in self._parts if part is not self._chosen]
         return {key: t.upload(key) for key in keys if key != CONTROL}
 

@@ -1,4 +1,4 @@
-"""CANopen, PDOs and their states: stopped, not valid, another identifier, the SYNC counter, what a reset sets back (CiA 301)."""
+"""CANopen, PDOs and their states: stopped, not valid, another identifier, the SYNC counter, effects of a reset (CiA 301)."""
 
 from contextlib import suppress
 

@@ -1,4 +1,4 @@
-"""CANopen, PDO parameters: mapping by its rules, and what must be refused (CiA 301, 7.5.2.35 to 7.5.2.38)."""
+"""CANopen, PDO parameters: mapping by its rules, and required refusals (CiA 301, 7.5.2.35 to 7.5.2.38)."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress

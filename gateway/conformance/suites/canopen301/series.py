@@ -1,4 +1,4 @@
-"""CANopen, faults that come now and then, and what only the PDOs and the watched nodes beyond the first show (CiA 301, 7.2.2, 7.2.8.3)."""
+"""CANopen, intermittent faults, and faults that show only in PDOs and watched nodes beyond the first (CiA 301, 7.2.2, 7.2.8.3)."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -123,7 +123,7 @@ def many_taken(t: NodeTester) -> None:
 # ---- PDOs besides the first
 @contextmanager
 def _made_valid(t: NodeTester, index: int, kind: int) -> Iterator[int]:
-    """A PDO of this type, valid, meanwhile; its identifier."""
+    """A PDO of this type, valid within the block; its identifier."""
     with t.given():
         cob, before = t.number((index, 1)), t.number((index, 2))
     back = (

@@ -1,4 +1,4 @@
-"""CANopen, settings: what save keeps and load sets back, what a reset forgets, what the data sheet promises (CiA 301, 7.5.2.13)."""
+"""CANopen, settings: effects of save and load, values lost by a reset, statements of the data sheet (CiA 301, 7.5.2.13)."""
 
 from contextlib import suppress
 

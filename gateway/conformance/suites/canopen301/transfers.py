@@ -1,4 +1,4 @@
-"""CANopen, SDO server: downloads in several segments, given up, with a gap, without CRC; what an abort names (CiA 301, 7.2.4)."""
+"""CANopen, SDO server: downloads in several segments, aborted, with a gap, without CRC; the object named by an abort (CiA 301, 7.2.4)."""
 
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.can.blocks import block_download

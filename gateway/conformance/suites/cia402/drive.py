@@ -75,7 +75,7 @@ def reaches(t: NodeTester, state: int, what: str, limit: Ns = ms(3000)) -> Ns:
 
 
 def stays(t: NodeTester, state: int, what: str, time: Ns = ms(60)) -> None:
-    """Judged: no other state meanwhile."""
+    """Judge: no other state during the wait."""
     begin = t.now()
     while t.now() - begin < time:
         if state_of(got := status(t)) != state:
@@ -89,7 +89,7 @@ REACHED_BY = {6: READY, 7: ON, 15: ENABLED}
 
 @contextmanager
 def brought_to(t: NodeTester, state: int, mode: int | None = None) -> Iterator[None]:
-    """In this state meanwhile, without power afterwards."""
+    """In this state within the block, without power afterwards."""
     with t.kept(MODE):
         try:
             with t.given():

@@ -166,7 +166,7 @@ def standstill(t: NodeTester) -> None:
     preamble=RUNS,
 )
 def no_restart(t: NodeTester) -> None:
-    """60FFh was set back meanwhile."""
+    """60FFh was reset in between."""
     with turning(t) as chosen, t.given():
         t.download(TARGET_SPEED, chosen, 4)
         until(t, lambda: abs(speed(t)) > chosen // 2, "motion")

@@ -239,7 +239,7 @@ def profile(t: NodeTester) -> None:
 
 
 def _unit(t: NodeTester, seen: list[tuple[Ns, int]], chosen: int) -> float:
-    """Units of 6064h a second in one unit of 606Ch: a drive may count speeds in a unit of its own."""
+    """Units of 6064h per second in one unit of 606Ch: a drive may use a separate unit for speeds."""
     if len(seen) < 2 or not t.setup.pics.get("velocity") or seen[-1][0] - seen[0][0] < ms(10):
         return 1.0
     (begin, first), (end, last) = seen[0], seen[-1]

@@ -33,12 +33,12 @@ FASTEST = 1 << 31
 
 
 def slow_enough(way: object, took: Ns) -> int:
-    """Units a second: a motion is judged by what SDOs read meanwhile, however slow they are."""
+    """Units per second: a motion is judged by SDO reads during it, however slow they are."""
     return max(round(way * 1e9 / (LOOKS * took)), 1) if isinstance(way, (int, float)) and took else FASTEST
 
 
 def _look_at_modes(t: NodeTester, pics: dict[str, object], assumed: list[str]) -> None:
-    """By 6502h; a drive without it is asked for each mode by 6060h, without power, where nothing is stated of its modes."""
+    """From 6502h; without it each mode is tried by 6060h, without power, if the PICS does not state the modes."""
     offered = 0
     with suppress(Ended):
         offered = t.number(MODES_OFFERED)

@@ -83,7 +83,7 @@ def clean(p: Partner) -> None:
 
 
 def sent(p: Partner, count: int, what: str, limit: Ns) -> None:
-    """So many blocks of the maker's station were acknowledged."""
+    """Wait until so many blocks of the maker's station are acknowledged."""
     if not p.play(lambda: p.sent >= count or bool(p.failed), limit) or p.failed:
         got = joined([*p.repeats, *(f"given up: {why}" for why in p.failed)]) or "nothing"
         raise Fail(f"{p.profile.name} cannot deliver {what}: {got}", "DLE (10h) to STX and to the block", got)
@@ -293,7 +293,7 @@ def writes(t: LineTester, profile: Profile) -> None:
             if back != data:
                 raise Fail(f"what {profile.name} wrote reads back otherwise", data.hex(" ").upper(), back.hex(" ").upper())
     except Fail:
-        with contextlib.suppress(Fail):  # what was written may be what cannot be read; the other makers meet the words as they were
+        with contextlib.suppress(Fail):  # written words may be unreadable; the other makers find the former words
             p.quiet(LATER)
             job(t, p, restore, f"SEND DB{db}.DW0", limit)
         raise

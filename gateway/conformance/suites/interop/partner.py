@@ -27,7 +27,7 @@ def joined(words: list[str]) -> str:
 
 
 class Shelf:
-    """Every data block there is; what was written stays."""
+    """All data blocks; written values stay."""
 
     def __init__(self) -> None:
         self.content: dict[tuple[int, int], bytes] = {}
@@ -71,7 +71,7 @@ class Partner:
 
     # ---- time
     def play(self, done: Done, limit: Ns) -> bool:
-        """Both stations talk until that is so; False: the time is over."""
+        """Both stations exchange data until the condition holds; False: the time is over."""
         wire = self._t.wire
         end = wire.now() + limit
         while not done():
@@ -97,7 +97,7 @@ class Partner:
         self.play(lambda: False, limit)
 
     def meets(self, block: bytes, limit: Ns) -> int | Damage | None:
-        """The device's STX is received only once the partner's has left: both wish to send.  What was received."""
+        """The device's STX is received only once the partner's has left: both request the line.  Returns the received characters."""
         heard = self._t.char(self._t.wire.now() + limit)
         now = self._t.wire.now()
         self.link.receive(b"", now)
@@ -111,7 +111,7 @@ class Partner:
         return self.active.deadline() if self.roles is not None else None
 
     def restart(self, profile: Profile) -> None:
-        """Its supply failed; it is deaf to the rest of what is on the line, and some makers say NAK when the interface is ready."""
+        """Its supply failed; it ignores the rest of what is on the line, and some makers send NAK when the interface is ready."""
         while self._t.char(self._t.wire.now() + START) is not None:
             pass
         self.link = Link(profile if self.profile.block_check else profile.plain(), self.link.priority)

@@ -27,7 +27,7 @@ def _row(numbers: tuple[int, ...], least: int, what: str) -> int:
 
 
 def _writes(t: ModbusTester) -> Iterator[bytes]:
-    """What is there is written again, by each function."""
+    """Write the present values again, by each function."""
     if t.setup.pics.get("write_coils"):
         at = t.setup.coils[0]
         bit = t.bits(1, at, 1)[0]

@@ -23,7 +23,7 @@ def _run(numbers: tuple[int, ...], most: int) -> tuple[int, int]:
 
 @contextmanager
 def kept(t: ModbusTester, function: int, at: int, count: int) -> Iterator[None]:
-    """What was there is written back."""
+    """The former values are written back."""
     with t.given():
         try:
             before = t.read(function, at, count)

@@ -71,7 +71,7 @@ def _refused(t: ModbusTester, pdu: bytes, code: int, what: str, others: tuple[in
 
 @contextmanager
 def _unwritten(t: ModbusTester, table: int, at: int) -> Iterator[tuple[int, Callable[[str], None]]]:
-    """One value that the requests in the block must leave as it is: the value, and its comparison after what was asked."""
+    """One value that the requests in the block must not change: the value, and its comparison afterwards."""
     with kept(t, table, at, 1):
         before = t.read(table, at, 1)
         yield before[0], lambda what: same_values(t.read(table, at, 1), before, f"{at} after {what}")

@@ -43,7 +43,7 @@ def _exceptions(t: ModbusTester) -> None:
     answers = bool(t.ask(refusal))
     for count in range(20):
         t.ask(b"\x41\x00\x00\x00\x01")
-        if not t.ask(refusal) and answers and not t.ask(refusal):  # it may close a connection with many refusals: asked on a new one
+        if not t.ask(refusal) and answers and not t.ask(refusal):  # it may close a connection with many refusals: repeat on a new one
             raise Fail(f"after {2 * count + 2} refusals nothing is answered", "an exception", "silence, or closed")
     _served(t, "40 refusals")
 

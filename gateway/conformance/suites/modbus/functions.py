@@ -13,7 +13,7 @@ from gateway.pure.conformance.purpose import Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, NotApplicable, Warn
 
 Body = Callable[[ModbusTester], None]
-Case = Callable[[str, int, str, str], Callable[[Body], Body]]  # name, function, what is judged in both languages
+Case = Callable[[str, int, str, str], Callable[[Body], Body]]  # name, function, test purpose in both languages
 GERMAN = {1: "Spulen", 2: "diskrete Eingänge", 3: "Halteregister", 4: "Eingangsregister"}
 
 
@@ -96,7 +96,7 @@ class Reading:
 
     @property
     def number(self) -> int:
-        """Of its first case."""
+        """Number of its first case."""
         return 10 * self.function
 
     @property
@@ -230,7 +230,7 @@ def _misread(reading: Reading) -> None:
 
 
 def _moves(t: ModbusTester, function: int) -> bool:
-    """Values of a process change by themselves."""
+    """Values of a process change on their own."""
     base, span = t.setup.base[function], t.setup.span[function]
     return t.read(function, base, span) != t.read(function, base, span)
 
@@ -376,7 +376,7 @@ def _restored(t: ModbusTester, table: int, at: int, before: list[int]) -> None:
 
 
 def _read_again(t: ModbusTester, what: str, table: int, at: int, count: int) -> list[int]:
-    """What could be read before can be read now, if need be on a new connection."""
+    """Values that could be read before can be read now, if necessary on a new connection."""
     for last in (False, True):
         try:
             with t.given():

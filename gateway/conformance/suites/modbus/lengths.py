@@ -58,7 +58,7 @@ def _longer(p: Purposes[ModbusTester]) -> None:
 
 
 def _writes(t: ModbusTester) -> Iterator[tuple[int, int, int, bytes]]:
-    """Function, table, address and request of each write that is offered; it would change what is there."""
+    """Function, table, address and request of each write that is offered; it would change the present value."""
     found = 0
     for table, touched in ((1, t.setup.coils), (3, t.setup.holding)):
         for function, request in WRITES[table].items():

@@ -41,14 +41,15 @@ class ModbusSession:
         self.tester = ModbusTester(self._connect, self.setup, rtu, self._host)
 
     def _switched(self) -> None:
-        """The supply: a machine is not made anew from here, a port in real time is opened again."""
+        """The supply: a machine is not recreated here, a port in real time is reopened."""
         self._one_machine = True
         if not self.tester.wire.simulated:
             self._wire = None
 
     def _connect(self) -> Wire:
-        """A line is opened once; a TCP connection as often as it is wanted.  A machine loses its port and keeps its values; one that
-        has not answered since is made anew."""
+        """A line is opened once; a TCP connection as often as needed.  A machine loses its port and keeps its values; one that has not
+        answered since is recreated.
+        """
         if self._rtu and self._wire is not None:
             return self._wire
         if isinstance(self._wire, VirtualWire) and (self._answered() or self._one_machine):

@@ -1,4 +1,4 @@
-"""Modbus RTU, what belongs to a station on a line: other units and broadcasts for every function, bytes round a request, the silence
+"""Modbus RTU, rules of a station on a line: other units and broadcasts for every function, extra bytes at a request, the silence
 before an answer, damaged characters (serial line guide V1.02, 2.1 to 2.5)."""
 
 import struct
@@ -13,7 +13,7 @@ from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
 STA = Purposes[ModbusTester]("MBRTU_STA", "server", "serial line guide V1.02, 2.1", preamble=("MBRTU_FUN_BV_01",))
 SILENCE = 7  # half characters that end a frame
 ROUNDED = 100_000
-Asked = tuple[int, int, int, bytes, list[int]]  # function, table, address, request, what is there then
+Asked = tuple[int, int, int, bytes, list[int]]  # function, table, address, request, present values
 
 
 def _other_values(t: ModbusTester) -> Iterator[Asked]:

@@ -28,7 +28,7 @@ def _reads(t: ModbusTester) -> list[bytes]:
 
 
 def _answer(t: ModbusTester) -> bytes:
-    """The next frame; one that says busy repeats the case."""
+    """The next frame; a busy answer repeats the case."""
     found = t.answer_frame()
     if len(found) == 9 and found[7] & 0x80 and found[8] == BUSY:
         raise Disturbed("a request was refused with 06h: busy", "an answer", t.words(found[7:]))

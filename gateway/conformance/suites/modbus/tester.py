@@ -42,12 +42,12 @@ TABLES = {1: "coils", 2: "discrete_inputs", 3: "holding_registers", 4: "input_re
 MOST_FRAME = 600
 QUIET = ms(30)
 LINE_QUIET = ms(60)
-BUSY = 4  # times that one who is busy is asked
+BUSY = 4  # attempts at a busy server
 
 
 @dataclass(slots=True)
 class ModbusSetup:
-    """What is known of the server and the bench."""
+    """Known facts about the server and the bench."""
 
     unit: int = 1
     missing: int = 247
@@ -200,7 +200,7 @@ class ModbusTester(Tester):
         return 0 if self.wire.simulated else self.wire.char_ns + self._host.within(self.wire, since)
 
     def ask(self, pdu: bytes, unit: int | None = None, judge: bool = False, wait: Ns | None = None) -> bytes:
-        """The answer PDU.  A server that is busy (exception 06) is asked again, as V1.1b3, 7, has it."""
+        """The answer PDU.  A busy server (exception 06) is asked again, as in V1.1b3, 7."""
         for turn in range(BUSY):
             got = self._asked(pdu, unit, judge, wait)
             if got[1:] != b"\x06" or not got[0] & 0x80 or turn == BUSY - 1:
@@ -210,13 +210,13 @@ class ModbusTester(Tester):
         return got
 
     def _asked(self, pdu: bytes, unit: int | None, judge: bool, wait: Ns | None) -> bytes:
-        """The answer PDU; b"": silence, or closed.  What is wrong with its frame is judged by one purpose, and INCONC elsewhere."""
+        """The answer PDU; b"": silence, or closed.  Faults of its frame are judged by one purpose, and INCONC elsewhere."""
         self.quiet()
         frame = self.frame(pdu, unit)
         self.send(frame)
         start = self.wire.drained()
         found = self.answer_frame(wait)
-        self._doubtful = not found and not self.rtu  # it may have lost the beat of the stream, or given the connection up
+        self._doubtful = not found and not self.rtu  # it may have lost the framing of the stream, or closed the connection
         self.answered = self.answered or bool(found)
         if found:
             self.timed(f"answer to function {pdu[0]:02X}h", self.wire.now() - start, None, None)
@@ -228,7 +228,7 @@ class ModbusTester(Tester):
         return found[1:-2] if self.rtu else found[7:]
 
     def quiet(self) -> None:
-        """What came without a question is dropped."""
+        """Drop unexpected bytes."""
         self._rest = b""
         while self.hear(self.wire.now() + (LINE_QUIET if self.rtu else 0)):
             pass

@@ -28,7 +28,7 @@ def _know_its_answer(t: LineTester) -> None:
 
 
 def _is_low(t: LineTester, got: int | Damage | None) -> bool:
-    """Whether the station withdrew; compared with what the bench says of its priority."""
+    """Whether the station withdrew; compared with its priority in the bench."""
     low = got == Char.DLE
     if t.setup.priority is None:
         t.remark(f"assumed from this: priority {'low' if low else 'high'}")

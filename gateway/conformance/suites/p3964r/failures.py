@@ -14,7 +14,7 @@ from protocols.p3964r.profiles import Interruption
 __all__ = ["SND"]  # the registry finds the complete group here
 
 RUN = 20
-OTHERS = b"U\x06\x03\x05\x04\x17"  # neither DLE, NAK nor STX; among them what other protocols answer with
+OTHERS = b"U\x06\x03\x05\x04\x17"  # neither DLE, NAK nor STX; among them answers of other protocols
 JOBS = 4  # jobs that may queue up
 
 
@@ -97,7 +97,7 @@ def nak_inside(t: LineTester) -> None:
 
 
 def _last(t: LineTester, pause: Ns) -> int | Damage | None:
-    """What was under way still comes, and 02h may be data: the last character before a silence counts."""
+    """Data on the way still arrive, and 02h may be data: the last character before a silence counts."""
     last = None
     for _ in range(2 * MOST):
         got = t.answer(pause + t.tolerance + t.profile.retry_pause)
@@ -119,7 +119,7 @@ def _block_answered(t: LineTester, answer: bytes | None, what: str) -> None:
 
 
 def repeats(t: LineTester) -> int:
-    """So many times a block can be repeated in any profile: some count connections and blocks together."""
+    """Number of repeats of a block in any profile: some count connections and blocks together."""
     return max(1, min(t.profile.block_attempts, t.profile.connect_attempts) - 1)
 
 

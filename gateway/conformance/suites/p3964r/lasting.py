@@ -1,4 +1,4 @@
-"""3964R, what an earlier step leaves: times of later repeats, attempts after a conflict; long blocks (serial-protocols 1.2 to 1.6)."""
+"""3964R, after-effects of an earlier step: times of later repeats, attempts after a conflict; long blocks (serial-protocols 1.2 to 1.6)."""
 
 from gateway.conformance.suites.line import BETWEEN, DLE, NAK, STX, Block, LineTester, named
 from gateway.conformance.suites.p3964r.conflicts import gives_way
@@ -63,7 +63,7 @@ def each_acknowledgement(t: LineTester) -> None:
 
 
 def _refused_until(t: LineTester, turn: int) -> None:
-    """So many times its block comes; the last one is not answered."""
+    """Refuse its block so many times; do not answer the last one."""
     for count in range(turn):
         t.take(acknowledge=False)
         if count + 1 < turn:
@@ -154,7 +154,7 @@ def waits_behind(t: LineTester) -> None:
         if t.answers_jobs():  # it may keep one job at a time, and wait for this reaction
             t.settle(BETWEEN)
         t.settle()
-    t.unanswered = b""  # else the first of the two jobs would be served before the second is given
+    t.unanswered = b""  # else the first of the two jobs would be served before the second is queued
     t.setup.stimulus(t)
     t.starts_sending()
     refused_to_the_end(t)

@@ -1,4 +1,4 @@
-"""3964R, the station receives: wrong checks, damaged characters, what comes at the wrong moment (serial-protocols 1.2, 1.4, 6)."""
+"""3964R, the station receives: wrong checks, damaged characters, characters at the wrong moment (serial-protocols 1.2, 1.4, 6)."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -102,7 +102,7 @@ def broken_pair(t: LineTester) -> None:
         t.fail("a block with a DLE that is not doubled", got, "NAK (15h)")
     if got != Char.NAK:
         t.fail("a block with a DLE that is not doubled", got, "NAK (15h)")
-    rest = b"UV\x10\x03"  # a station that begins anew after DLE STX finds its check right
+    rest = b"UV\x10\x03"  # a station that restarts after DLE STX finds its check right
     wire = b"UX\x10\x02" + rest + (bytes((check_of(rest),)) if t.profile.block_check else b"")
     t.refused(wire, "a block with DLE STX inside, whose check is that of the rest")
 
@@ -202,7 +202,7 @@ def break_inside(t: LineTester) -> None:
 
 # ---- inopportune behaviour
 def stray_answer(t: LineTester, after: str) -> None:
-    """What may be answered to a character in idle: the profile's own, or what another maker does (WARN)."""
+    """Permitted answers to a character in idle: the profile's own, or another maker's (WARN)."""
     start = t.mark
     got = t.answer(t.profile.char_delay + t.tolerance + ms(200))
     if got == Char.STX:
@@ -262,7 +262,7 @@ def idle_end(t: LineTester) -> None:
 
 @contextmanager
 def _no_own_request() -> Iterator[None]:
-    """An STX of the station is a request of its own, which has met ours: the case is repeated, other cases judge conflicts."""
+    """An STX of the station is a request of its own that collided with ours: repeat the case, other cases judge conflicts."""
     try:
         yield
     except Fail as failed:

@@ -18,7 +18,7 @@ SEQ = Purposes[LineTester]("3964R_SEQ", "both", "serial-protocols 1.4", preamble
 
 
 def _whole(block: Block, what: str) -> None:
-    """Its form is judged, not what it carries."""
+    """Judge its form, not its content."""
     if block.fault:
         raise Fail(f"{what}: {block.fault}", "a block by the rule", block.raw.hex(" ").upper())
 

@@ -88,7 +88,7 @@ def well_formed(t: LineTester) -> None:
     requirements=("RHO-SER-03", "RHO-SER-04"),
 )
 def reactions(t: LineTester) -> None:
-    """Of other data than its own blocks, and of the number 10h, which is doubled."""
+    """Reactions to data other than its own blocks, and to the number 10h, which is doubled."""
     judge_forms(t, "3964R_SND_BV_06")
 
 

@@ -1,4 +1,4 @@
-"""3964R, what follows directly on something else: a repeat on a NAK, a block on the station's own block (serial-protocols 1.3, 1.4)."""
+"""3964R, direct sequences: a repeat on a NAK, a block on the station's own block (serial-protocols 1.3, 1.4)."""
 
 from gateway.conformance.suites.line import LineTester
 from gateway.conformance.suites.p3964r.receive import BLOCK, CONNECT, GAP, PAYLOAD

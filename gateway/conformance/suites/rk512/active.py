@@ -29,7 +29,7 @@ FIRST, ERROR = "RK512_ACT_BV_01", "RK512_ACT_BI_01"
 OTHER_ERRORS = (11, 12)  # cases whose number is handled apart: one that stops at every error is one FAIL
 ACT = Purposes[LineTester]("RK512_ACT", "active", "serial-protocols 2.2", condition=("active",), preamble=(FIRST,))
 MOST_REPEATS = 12
-MOST_WAIT = ms(20_000)  # for a reaction that does not come (CP 341); until then no job of its own follows
+MOST_WAIT = ms(20_000)  # for a missing reaction (CP 341); until then no job of its own follows
 
 
 def command(t: LineTester, built: Callable[[bytes], bool] = is_command) -> bytes:
@@ -172,7 +172,7 @@ def _wrong(number: int, summary: str, german: str, wrong: Callable[[bytes], byte
 
 
 def _quiet(t: LineTester) -> None:
-    """It may send again; not for ever.  Jobs with a pause between them are those of its own cycle."""
+    """It may send again, but not for ever.  Jobs with a pause between them are those of its own cycle."""
     for _ in range(MOST_REPEATS):
         start = t.mark
         got = t.answer(t.profile.char_delay + ms(300))

@@ -35,7 +35,7 @@ def judge_forms(t: LineTester, case: str) -> None:
 
 @contextmanager
 def _planted(t: LineTester, db: int, pattern: bytes) -> Iterator[bool]:
-    """The words from DW0 on meanwhile; False: they cannot be written, which other cases judge."""
+    """The words from DW0 on within the block; False: they cannot be written, which other cases judge."""
     before = b""
     with _unjudged(t), suppress(Ended):
         before = read(t, db, 0, len(pattern) // 2)

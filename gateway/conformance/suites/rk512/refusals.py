@@ -71,7 +71,7 @@ def _refusal(
 
 @contextmanager
 def _may_be_silent(number: int) -> Iterator[None]:
-    """What begins neither with 00 nor with FF may be taken for no command at all: its silence is WARN (AX-1781)."""
+    """A block that begins with neither 00 nor FF may count as no command: silence is WARN (AX-1781)."""
     try:
         yield
     except NoReaction as failed:
@@ -152,7 +152,7 @@ for _number, (_name, _summary, _german, _telegram, _wanted, _others) in enumerat
 
 
 def _refused(t: LineTester, case: str, name: str, telegram: bytes, number: int, others: tuple[int, ...]) -> Inconclusive | None:
-    """What another case has found does not hide whether the refused command has an effect."""
+    """Whether the refused command has an effect, even if another case has failed."""
     try:
         refused(t, case, name, telegram, number, others)
     except Inconclusive as ended:

@@ -1,4 +1,4 @@
-"""RK512, passive side: what a job reaches (DX, amounts, locked jobs), and what an abandoned one leaves (serial-protocols 2.1, 2.5)."""
+"""RK512, passive side: targets of a job (DX, amounts, locked jobs), and after-effects of an abandoned one (serial-protocols 2.1, 2.5)."""
 
 from gateway.conformance.suites.line import LineTester
 from gateway.conformance.suites.rk512.passive import (
@@ -68,7 +68,7 @@ def other_blocks(t: LineTester) -> None:
 
 
 def _is_another_block(t: LineTester, db: int, word: bytes) -> None:
-    """What is written to the data block must not be in DX."""
+    """Data written to the data block must not appear in DX."""
     other = bytes(byte ^ 0x5A for byte in word)
     with t.given():
         write(t, db, 0, other)
@@ -86,7 +86,7 @@ def _is_another_block(t: LineTester, db: int, word: bytes) -> None:
     preamble=(BASIC, REFUSES, WRITES, READ_BACK),
 )
 def lone_send(t: LineTester) -> None:
-    """Behind a SEND that is complete: one that keeps its place writes there, others at the beginning."""
+    """After a complete SEND: a station that keeps its place writes there, others at the beginning."""
     words = room(t, 16)
     if words < 4:
         raise NotApplicable(f"DB{t.setup.db} has {t.setup.words} words")

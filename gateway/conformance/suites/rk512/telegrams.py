@@ -61,7 +61,7 @@ def meant_as_command(block: bytes) -> bool:
 
 
 def right_reaction(command: bytes) -> bytes:
-    """What a good passive station answers, with zeros for data."""
+    """The reaction of a good passive station, with zeros for data."""
     size = size_of(command) if command[2] == FETCH else 0
     return bytes((command[0], 0, 0, 0)) + bytes(min(size, PIECE))
 
@@ -157,7 +157,7 @@ def looks_like_reaction(block: bytes) -> bool:
 
 
 def serve_command(t: LineTester, command: bytes) -> None:
-    """A command the station sends of its own gets its reaction."""
+    """Answer a command of the station with its reaction."""
     t.notes.unasked += 1
     with t.given():
         t.good(right_reaction(command), "the reaction to its own command")
@@ -184,7 +184,7 @@ def write(t: LineTester, db: int, word: int, data: bytes) -> None:
 
 
 def stated_numbers(t: LineTester) -> dict[str, int]:
-    """The device's own error numbers by what they are for, as the PICS states them."""
+    """The device's own error numbers by name, as stated in the PICS."""
     stated = t.setup.pics.get("errors")
     return {name: int(own, 16) for name, own in stated.items() if isinstance(own, str)} if isinstance(stated, dict) else {}
 
@@ -229,7 +229,7 @@ def room(t: LineTester, words: int) -> int:
 
 
 def restored(t: LineTester, db: int, word: int, before: bytes) -> None:
-    """What was there is written back, 64 words at a time, as long as the station lets it."""
+    """Write the former content back, 64 words at a time, as long as the station accepts it."""
     t.settle(ms(100))
     for at in range(0, len(before), 2 * t.setup.job):
         with t.given():
@@ -237,7 +237,7 @@ def restored(t: LineTester, db: int, word: int, before: bytes) -> None:
 
 
 def saved(t: LineTester, db: int, word: int, words: int) -> bytes:
-    """What is there now."""
+    """The present content."""
     if db == t.setup.db and word + words > t.setup.words:
         raise NotApplicable(f"DB{db} has {t.setup.words} words; {words} from DW{word} on are needed")
     with t.given():

@@ -20,7 +20,7 @@ ACTUAL = "one actual value"
 
 @dataclass(slots=True)
 class BoosterSetup:
-    """What is known of the booster and the bench."""
+    """Known facts about the booster and the bench."""
 
     codec: Codec
     module: int = 1
@@ -43,7 +43,7 @@ class BoosterTester(CanTester):
         self.value = SetValue()
         self.last: ActualValue | None = None
         self.life_runs = True
-        self.home: int | None = None  # where the first motion that did not come back began
+        self.home: int | None = None  # start of the first motion that did not return
         self._grid: Ns = 0
         self._sequence = 0
         self.answers = False  # to a parameter, right or wrong
@@ -138,7 +138,7 @@ class BoosterTester(CanTester):
 
     @contextmanager
     def powered(self, enabled: bool = False) -> Iterator[None]:
-        """Power on, and under control, meanwhile."""
+        """Power on, and under control, within the block."""
         try:
             with self.given():
                 self.rest()
@@ -164,7 +164,7 @@ class BoosterTester(CanTester):
         self.turn(100)
 
     def spontaneous(self, time: Ns) -> list[tuple[Ns, ActualValue]]:
-        """What comes without SYNC."""
+        """Frames without SYNC."""
         return [(frame.stamp_ns, self.read(frame)) for frame in self.pause(time) if frame.identifier == self.actual_id]
 
     # ---- parameters

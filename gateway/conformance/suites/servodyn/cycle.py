@@ -1,4 +1,4 @@
-"""SERVODYN: SYNC and actual values, the bits at rest, what a set value must look like (AX-001)."""
+"""SERVODYN: SYNC and actual values, the bits at rest, the form of a set value (AX-001)."""
 
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.suites.can.tester import shown

@@ -28,7 +28,7 @@ def faulted(found: ActualValue, what: str) -> None:
 
 
 def lose_sync(t: BoosterTester) -> ActualValue:
-    """SYNC stays away for ten cycles; what it reports then."""
+    """Omit SYNC for ten cycles; return the reports after that."""
     t.turn()
     t.pause(10 * t.setup.cycle)
     t.drain()

@@ -1,4 +1,4 @@
-"""SERVODYN: what is latched and taken at SYNC, feed-forward and torque, seen in motion (AX-001, AX-083)."""
+"""SERVODYN: values latched and accepted at SYNC, feed-forward and torque, observed in motion (AX-001, AX-083)."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ LARGEST_TORQUE = 10_000  # 0.1 % of rated: ten times the rated torque
 
 
 def paced(t: BoosterTester, late: Ns = 0) -> int:
-    """One cycle at a step further, its SYNC late by so much; the position it latched."""
+    """One cycle further by a step, its SYNC late by so much; returns the latched position."""
     if late:
         t.pause(t.setup.cycle + late)
     found = t.turn(1, with_set=False)

@@ -1,4 +1,4 @@
-"""SERVODYN: power, control and brake; what must not switch it on (AX-080)."""
+"""SERVODYN: power, control and brake; conditions that must not switch it on (AX-080)."""
 
 from gateway.conformance.suites.servodyn.booster import BoosterTester, words
 from gateway.conformance.suites.servodyn.cycle import BASIC, REST

@@ -1,4 +1,4 @@
-"""SERVODYN: stops in motion, what is kept over a fault, and how narrowly life counter and set values are watched (AX-080 to AX-083)."""
+"""SERVODYN: stops in motion, values kept over a fault, and the limits of life counter and set values (AX-080 to AX-083)."""
 
 from collections.abc import Callable
 
@@ -22,14 +22,14 @@ SHIFTS = (16, 24)  # bits beyond which a narrower counter sees no difference
 
 
 def direction(t: BoosterTester) -> int:
-    """Cases that do not come back alternate: the axis stays within a way of where the first of them found it."""
+    """Cases that do not return alternate: the axis stays within one way of its first position."""
     position = t.turn().position_inc
     t.home = position if t.home is None else t.home
     return -1 if position > t.home else 1
 
 
 def run_up(t: BoosterTester) -> int:
-    """At constant speed; what the last SYNC latched."""
+    """To constant speed; returns the values latched at the last SYNC."""
     step = direction(t) * step_of(t)
     position = t.value.position_inc
     for _ in range(RUN):
@@ -39,7 +39,7 @@ def run_up(t: BoosterTester) -> int:
 
 
 def _judge_standstill(t: BoosterTester, what: str) -> None:
-    """Judged: soon its position does not change any more, and the brake closes only then."""
+    """Judge: soon its position no longer changes, and only then the brake closes."""
     begin, closed_at = t.now(), None
     before = t.turn().position_inc
     while True:
