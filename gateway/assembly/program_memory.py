@@ -1,8 +1,9 @@
-"""Where the programs of a cell are: the folder of [controller]."""
+"""Where the programs of a cell are: the folders of [controller] and [val3]."""
 
 import pathlib
 
 from gateway.pure.cell.cell import Cell
+from gateway.pure.cell.val3 import Val3
 
 
 def memory_folder(cell: Cell) -> pathlib.Path | None:
@@ -10,6 +11,17 @@ def memory_folder(cell: Cell) -> pathlib.Path | None:
     if cell.controller is None or not cell.controller.memory:
         return None
     return pathlib.Path(cell.file).parent / cell.controller.memory
+
+
+def disk_folder(cell: Cell, table: Val3) -> pathlib.Path:
+    """Return the folder that is Disk://."""
+    return pathlib.Path(cell.file).parent / table.disk
+
+
+def program_folders(cell: Cell) -> list[pathlib.Path]:
+    """Return the folders of all programs of a cell; a program may be in a folder below."""
+    disk = None if cell.val3 is None else disk_folder(cell, cell.val3)
+    return [folder.resolve() for folder in (memory_folder(cell), disk) if folder is not None]
 
 
 def in_memory(folder: pathlib.Path, name: str) -> pathlib.Path:

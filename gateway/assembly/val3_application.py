@@ -2,11 +2,11 @@
 
 import datetime
 import math
-import pathlib
 import time
 
 from gateway.assembly.controllers import points_of
 from gateway.assembly.limits import limits_of
+from gateway.assembly.program_memory import disk_folder
 from gateway.assembly.programs import machines_of_cell, mask_of
 from gateway.files.find import beside
 from gateway.files.robots import load_robot
@@ -24,11 +24,6 @@ from motion.geometry.units import to_si
 from motion.robot import with_limits
 
 KINDS = {"serial": Kind.SERIAL, "client": Kind.TCP_CLIENT, "server": Kind.TCP_SERVER, "udp": Kind.UDP}
-
-
-def disk_folder(cell: Cell, table: Val3) -> pathlib.Path:
-    """The folder that is Disk://."""
-    return pathlib.Path(cell.file).parent / table.disk
 
 
 def application_place(cell: Cell, table: Val3) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""Save a cell in one file: the cell file, the tables and DAT files it names, its retained data. A running gateway continues."""
+"""Save a cell in one file: cell file, the tables and DAT files it names, programs, retained data. A running gateway continues."""
 
 import argparse
 import json

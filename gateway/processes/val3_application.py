@@ -3,8 +3,9 @@
 import pathlib
 from collections.abc import Callable, Mapping
 
+from gateway.assembly.program_memory import disk_folder
 from gateway.assembly.run import RunPlan
-from gateway.assembly.val3_application import channel_of, disk_folder, setup_of
+from gateway.assembly.val3_application import channel_of, setup_of
 from gateway.files.val3_disk import read_disk
 from gateway.links.serial.val3_cell_sio import CellSio
 from gateway.pure.languages.base.hosting import Port

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gateway.assembly import axis_zeros as zeros
+from gateway.assembly.program_memory import program_folders
 from gateway.cell_file.load import load_cell
 from gateway.files.find import read_text
 from gateway.pure.cell.cell import Cell
@@ -87,8 +88,11 @@ def make(cell: Cell, target: pathlib.Path, *, secrets: bool = False) -> Manifest
             archive.writestr(MANIFEST, json.dumps(_as_json(manifest), indent=1, ensure_ascii=False))
             for name, (_, path) in found.items():
                 archive.write(path, name)
-    read(partial)  # a file that cannot be read back is not a backup
-    put_in_place(partial, target)
+    try:
+        read(partial)  # a file that cannot be read back is not a backup
+        put_in_place(partial, target)
+    finally:
+        partial.unlink(missing_ok=True)
     return manifest
 
 
@@ -102,6 +106,16 @@ def sources(cell: Cell, scratch: pathlib.Path) -> tuple[dict[str, tuple[str, pat
             found.setdefault(str(path.relative_to(file.parent)), (_role(cell, path), path))
         else:
             left_out.append(str(path))
+    for number, folder in enumerate(program_folders(cell)):
+        if not folder.is_relative_to(file.parent):
+            left_out.append(str(folder))
+            continue
+        for path in files_below(folder):
+            name = str(path.relative_to(file.parent))
+            source = scratch / f"programs-{number}" / path.relative_to(folder)
+            source.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(path, source)  # a running program may replace it
+            found[name] = ("named by the cell", source)
     users = data_file(cell, cell.web or Web(), simulated=False)
     if users.exists():
         found = {name: source for name, source in found.items() if source[0] != USERS}  # its log files: the copy needs none
@@ -131,6 +145,12 @@ def named_by(file: pathlib.Path) -> list[pathlib.Path]:
             elif text.strip("./") and path.is_dir() and path.is_relative_to(file.parent) and path != file.parent:
                 found.update(dict.fromkeys(sorted(each for each in path.iterdir() if each.is_file())))
     return [path for path in found if not str(path).startswith(("/dev/", "/proc/", "/sys/"))]
+
+
+def files_below(folder: pathlib.Path) -> list[pathlib.Path]:
+    """Return all files of a folder of programs, without those that are being written."""
+    found = (pathlib.Path(at, name) for at, _, names in os.walk(folder) for name in names)
+    return sorted(path for path in found if path.is_file() and not (path.name.startswith(".") and path.name.endswith(".part")))
 
 
 def _role(cell: Cell, path: pathlib.Path) -> str:

@@ -3,7 +3,7 @@
 import asyncio
 from typing import Any
 
-from gateway.assembly.val3_application import disk_folder
+from gateway.assembly.program_memory import disk_folder
 from gateway.observer.tool_link import ServicesLink
 from gateway.pure.cell.cell import Cell
 from gateway.web.val3_pages import image_of, page_of

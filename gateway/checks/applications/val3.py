@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 
 from gateway.assembly.controllers import points_of
+from gateway.assembly.program_memory import disk_folder
 from gateway.assembly.programs import machines_of_cell
-from gateway.assembly.val3_application import application_place, channel_of, disk_folder, setup_of
+from gateway.assembly.val3_application import application_place, channel_of, setup_of
 from gateway.checks.context import Context
 from gateway.files.val3_disk import DiskUnreadable, read_disk
 from gateway.pure.cell.cell import Cell, Notice

@@ -3,15 +3,18 @@
 import hashlib
 import json
 import pathlib
+import shutil
 import zipfile
 
 import pytest
 
 import gateway
 from gateway.assembly import axis_zeros as zeros
+from gateway.assembly.program_memory import program_folders
 from gateway.cell_file.load import load_cell
 from gateway.commands.backup import main as save
 from gateway.commands.restore import main as put_back
+from gateway.files.find import find_config
 from gateway.recording import backup
 from gateway.runtime.retained.writer import Retained, path_of
 from hil_tests.lab.running.joined_running import cell_copy
@@ -82,6 +85,43 @@ def test_other_files_are_refused_then_kept_beside(plant: pathlib.Path, capsys: p
     assert [path.read_text() for path in folder.glob("host-telegrams.toml.before-*")] == [old]
     assert Retained(path_of(load_cell(str(plant))), ("counter.*",)).value("counter.3", 0) == 42
     assert len(list((folder / "retain").glob("*.before-*"))) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "programs", "below"), [("cs8", "cs8", "lib/lib.pgx"), ("reis-palletiser", "reis-palletiser", "LIB/A.SPR")]
+)
+def test_programs_of_all_folders_come_back(name: str, programs: str, below: str, tmp_path: pathlib.Path) -> None:
+    """Without its application a cell of VAL 3 could neither be restored nor a recording of it be replayed."""
+    cell, source = cell_copy(name, tmp_path), find_config(f"{name}.toml", "cells").parent / programs
+    shutil.copytree(source, tmp_path / programs)
+    place = next(iter(program_folders(load_cell(str(cell))))) / below
+    place.parent.mkdir()
+    place.write_text("one more program")
+    place.with_name(".being-written.part").write_text("half")
+    file = tmp_path / "saved.zip"
+    manifest = backup.make(load_cell(str(cell)), file)
+    saved_files = {part.name for part in manifest.parts if part.role == "named by the cell"}
+    assert saved_files == {str(path.relative_to(tmp_path)) for path in (tmp_path / programs).rglob("[!.]*") if path.is_file()}
+    other = tmp_path / "other"
+    assert put_back([str(file), "--to", str(other)]) == 0 and load_cell(str(other / cell.name))
+    assert (other / place.relative_to(tmp_path)).read_text() == "one more program"
+
+
+def test_programs_elsewhere_are_named_and_left_out(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cells = find_config("cs8.toml", "cells").parent
+    (tmp_path / "plant").mkdir()
+    cell = cell_copy("cs8", tmp_path / "plant", ('"cs8/usrapp"', '"../usrapp"'))
+    shutil.copytree(cells / "cs8" / "usrapp", tmp_path / "usrapp")
+    assert save([str(cell), "--to", str(tmp_path / "saved.zip")]) == 0
+    assert f"left out: {tmp_path / 'usrapp'} is outside the folder of the cell; save it yourself" in capsys.readouterr().out
+
+
+def test_a_backup_that_cannot_be_read_back_leaves_no_file(
+    plant: pathlib.Path, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(backup, "MOST_BYTES", 100)
+    assert save([str(plant), "--to", str(tmp_path / "saved.zip")]) == 3
+    assert "more than 0 MiB" in capsys.readouterr().err and list(tmp_path.glob("saved.zip*")) == []
 
 
 SPOILED = {
