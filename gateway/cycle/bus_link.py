@@ -40,8 +40,9 @@ class BusLink:
     def __init__(
         self, url: str, family: BusFamily, number: int = 0, quick: NativeParts | None = None, *, protocol: str = "", listens: bool = False
     ) -> None:
-        """`protocol`: of the [[bus]], decides what only its master sends; `listens`: others can be on this bus, so it is listened to before
-        the first burst, and nothing is sent as long as another master speaks."""
+        """`protocol`: of the [[bus]], determines the frames reserved for its master; `listens`: other masters are possible, so listen
+        before the first burst, and send nothing while another master is active.
+        """
         self.url, self.family, self.number = url, family, number
         self._other, self._listens, self._quiet_from = OtherMaster(protocol), listens, 0
         self._doubles: dict[int, int] = {}
@@ -50,7 +51,7 @@ class BusLink:
         self._local: BrokerPort | None = None  # the port, where its messages may be made and read in C
         self._values: Sequence[SetRecord] = ()
         self._message: bytes | None = None  # the next burst as it goes to the local bus; None: `_burst` holds it
-        self.tap: BusTap | None = None  # while somebody records
+        self.tap: BusTap | None = None  # set during a recording
         self.port: CanPort | None = None
         self.fd = -1  # of the port
         self.refused = 0  # frames that the port did not accept: always counted
@@ -96,7 +97,9 @@ class BusLink:
         return True
 
     def _free(self, now: int) -> bool:
-        """No other master was received for long enough; what the master of the services wants to say meanwhile it asks for again."""
+        """No other master was received for long enough; a frame that the master of the services wants to send in between is requested
+        again.
+        """
         assert self.port is not None
         self.acyclic.clear()
         try:
@@ -136,7 +139,7 @@ class BusLink:
 
     @property
     def plain(self) -> bool:
-        """Frames may be built and read in C: the local bus is there, and no other part needs the frames."""
+        """Frames may be built and read in C: the local bus is up, and no other part needs the frames."""
         return self._local is not None and self.tap is None and not self.encoders
 
     def _send_frames(self, port: CanPort) -> None:
@@ -150,8 +153,9 @@ class BusLink:
         self.refused += len(self._burst) - port.send(self._burst)
 
     def receive(self, actuals: list[Actual | None], *, next_only: bool = False) -> int:
-        """Take what came; how many axes answered for the first time since the burst.  What the bus saw before it belongs to a cycle that
-        is over: counted as late.  `next_only`: what came first may do, the rest waits for the next call."""
+        """Read the received frames; return how many axes answered for the first time since the burst.  Frames from before it belong to a
+        past cycle and count as late.  `next_only`: accept the first frames only, the rest waits for the next call.
+        """
         if self.port is None:
             return 0
         try:
@@ -162,7 +166,7 @@ class BusLink:
         return self._hear(frames, actuals)
 
     def receive_odd(self, message: bytes | None, actuals: list[Actual | None]) -> int:
-        """As receive(), of a message taken from the local bus that was not read in C; None: it is gone."""
+        """As receive(), for a message from the local bus that was not read in C; None: the bus is lost."""
         if message is None or self._local is None:
             return self.receive(actuals)
         return self._hear(self._local.frames_in(message), actuals)
@@ -225,7 +229,7 @@ class BusLink:
 
     def _lose(self, error: PortError) -> None:
         self.close()
-        self.acyclic.clear()  # the master asks again
+        self.acyclic.clear()  # the master repeats its request
         self._say(error)
 
     def _say(self, error: PortError) -> None:

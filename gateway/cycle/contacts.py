@@ -48,7 +48,7 @@ class CycleContacts:
 
 
 class InputMarks:
-    """How far each RC output byte may be trusted: one that comes from an I/O block is bad while its module is silent (AX-399)."""
+    """Validity of each RC output byte: one from an I/O block is bad while its module is silent (AX-399)."""
 
     def __init__(self, families: Sequence[RhoFamily], fd: int) -> None:
         self._buses = [family.io for family in families if family.io is not None]

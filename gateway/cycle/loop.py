@@ -45,7 +45,7 @@ from protocols.base.machine import Frame
 PRIORITY = 40  # broker 30, emulator 20, line process 15: all below the cycle
 PIECES_SHARE = 8  # of the period may be spent on the planner's pieces; the rest waits in the ring
 THINKING_NS, THINKING_SHARE = 3_000_000, 0.4  # kept free for the core at the end of a cycle: the smaller of both (AX-149)
-WAITS_NS = 700_000_000  # in a stretched simulation: for what the machine keeps back; shorter than what the services forgive the cycle there
+WAITS_NS = 700_000_000  # stretched simulation: time for delayed frames, shorter than the services' limit for a silent cycle
 JITTER = 8  # part of a period a stretched grid may be late before it is moved
 LAST_LOOKS = 4  # messages read after the deadline: those present came in time, and a flood does not hold the cycle
 ACYCLIC_AT_ONCE = 32  # records taken from the ring in one cycle: one for each axis of a cell
@@ -57,7 +57,7 @@ def patience_ns(period_ns: int) -> int:
 
 
 def waited_until(patience: int, due: int, sent: int) -> int:
-    """Instant at which an actual value is missing; drives that were asked late have half the patience at least (AX-915)."""
+    """Instant at which an actual value is missing; after a late SYNC drives have at least half the time (AX-915)."""
     whole, half = due + patience, sent + patience // 2
     return whole if whole > half else half
 
@@ -115,7 +115,7 @@ class Cycle:
         self._stop = False
 
     def _open_regions(self, fds: dict[str, int], quick: NativeParts) -> None:
-        """What it reads and writes of the other processes."""
+        """Regions of other processes that it reads and writes."""
         self.inputs = RegionReader(fds["rc_in"], "rc_in")
         self.links = RegionReader(fds["links"], "links")
         self.orders = RingReader(fds["orders"], "orders", ORDER_LAYOUT)
@@ -128,7 +128,7 @@ class Cycle:
         self.outputs = quick.region(fds["rc_out"], "rc_out")
         self.scope = quick.ring(fds["scope"], "scope", SCOPE_LAYOUT)
         self.trace = quick.ring(fds["trace"], "trace", TRACE_LAYOUT)
-        self.wake = fds.get("wake")  # for what is joined once per cycle (AX-398)
+        self.wake = fds.get("wake")  # for parts that act once per cycle (AX-398)
 
     _waits = True  # in a stretched simulation: the drives that are missing have not been waited for in vain
 
@@ -244,7 +244,7 @@ class Cycle:
             bus.receive_rest(axes)
 
     def _take_acyclic(self) -> None:
-        """What the master hands over; a bus that is not there forgets it, the master asks again."""
+        """Frames from the master; a missing bus drops them, and the master repeats its request."""
         for _, record in self.acyclic.take(ACYCLIC_AT_ONCE):
             kind, number, identifier, data, _ = unpack_aside(record)
             if number >= len(self.buses):
@@ -283,15 +283,15 @@ class Cycle:
         return missing
 
     def _collect(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int, missing: int | None = None) -> int:
-        """Wait for all actual values, or for those `missing`, at most to `until`; how many are missing.
+        """Wait for all actual values, or for those `missing`, at most to `until`; return how many are missing.
 
-        What is there when the time is up came in time: the cycle was late, not the drive (AX-915).
+        A value present at the deadline came in time: the cycle was late, not the drive (AX-915).
         """
         if missing is None:
             missing = 0
             for bus in self.buses:
                 missing += bus.family.expected + len(bus.encoders)
-        if not missing:  # nobody is waited for, but frames aside come all the same
+        if not missing:  # nothing to wait for, but other frames still arrive
             for bus in up:
                 bus.receive(actuals)
         if self._collect_quickly is not None and missing and all(bus.plain for bus in up):
@@ -299,7 +299,7 @@ class Cycle:
         first, looks = (
             True,
             0,
-        )  # all actual values of a bus mostly come at one go: then nothing more is asked for, which would cost as much again
+        )  # all actual values of a bus mostly arrive together: a further read would cost as much again
         while missing and looks < LAST_LOOKS and (fds := [bus.fd for bus in up if bus.port is not None]):
             left = until - time.monotonic_ns()
             looks += left <= 0
@@ -313,7 +313,7 @@ class Cycle:
         return missing
 
     def _collected(self, collect: Collect, up: Sequence[BusLink], actuals: list[Actual | None], missing: int, until: int) -> int:
-        """The same in C; what that cannot read it hands over, and a bus that is gone is asked no more."""
+        """The same in C; a frame it cannot read is passed on, and a lost bus is not read any more."""
         while buses := [bus for bus in up if bus.plain and bus.telegrams is not None]:
             asked = [(bus.telegrams.table, bus.fd, bus.sent_ns) for bus in buses if bus.telegrams is not None]
             missing, late, odd = collect(asked, actuals, missing, until)

@@ -1,4 +1,4 @@
-"""The planner's ring as the cycle reads it: it publishes how far it got, so that the planner knows what still waits (AX-1330)."""
+"""The planner's ring for the cycle, which publishes its reading position, so that the planner knows the waiting pieces (AX-1330)."""
 
 from collections.abc import Mapping
 

@@ -25,7 +25,7 @@ from gateway.recording.states import Snapshots, Start, StateError
 from gateway.runtime.regions import RegionReader, RingWriter
 from protocols.base.machine import Frame, Ns
 
-LOOK_EVERY = 16  # cycles between looks for a recorder while none is there
+LOOK_EVERY = 16  # cycles between looks for a recorder while there is none
 
 
 class CycleTap:
@@ -71,7 +71,7 @@ class CycleTap:
             self.put(What.EXCHANGE, bytes((bus, there)))
 
     def sent(self, bus: int, frames: Sequence[Frame]) -> None:
-        """The burst; what is taken from now on answers it."""
+        """The burst; frames from now on answer it."""
         self._phase = Phase.AFTER
         self.put(What.SENT, pack_frames(bus, 1, frames))
 

@@ -31,7 +31,7 @@ class DatTables:
 
 
 def read_tables(folder: pathlib.Path, language: str = "en", encoding: str = CODE_PAGE) -> DatTables:
-    """What the folder holds; the German interface looks for the German names first (L672), both are found."""
+    """The tables of the folder; the German interface looks for the German names first (L672), both are found."""
     there = {path.name.upper(): path for path in sorted(folder.iterdir(), reverse=True) if path.is_file()} if folder.is_dir() else {}
 
     def read(parser: Callable[[str, str], Table[str]], english: str, german: str) -> Table[str] | None:

@@ -13,7 +13,7 @@ def load_layouts(path: pathlib.Path) -> dict[str, Layout]:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        text = path.read_text(encoding="cp1252")  # what most DBC editors write
+        text = path.read_text(encoding="cp1252")  # encoding of most DBC editors
     return compile_dbc(text, str(path))
 
 

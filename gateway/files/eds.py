@@ -1,4 +1,4 @@
-"""An EDS for the `canopen` package: a clean file written from what the tolerant reader understood (AX-308)."""
+"""An EDS for the `canopen` package: a clean file written from the result of the tolerant reader (AX-308)."""
 
 import io
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ class _Sheet(io.StringIO):
 
 
 def canopen_dictionary(dictionary: ObjectDictionary | None, node: int) -> canopen.ObjectDictionary:
-    """What SDO of the `canopen` package needs to know of a device; None: nothing is known."""
+    """Data of a device for SDO in the `canopen` package; None: nothing is known."""
     return import_od(_Sheet(clean_sheet(dictionary)), node)
 
 

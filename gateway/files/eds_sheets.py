@@ -14,7 +14,7 @@ OUR_EDS = "axisgate_402.eds"  # of the emulated drives
 
 @dataclass(frozen=True, slots=True)
 class EdsFile:
-    """A data sheet as read; `faults`: what is wrong with it, each with its line and what was done about it."""
+    """A data sheet as read; `faults`: each with its line and its treatment."""
 
     path: pathlib.Path
     dictionary: ObjectDictionary

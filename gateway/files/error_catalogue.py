@@ -38,7 +38,7 @@ def lookup(name: str, number: int) -> Entry | None:
 
 
 def explain(key: str) -> list[Entry]:
-    """What `647`, `reis 647`, `rk512 14h`, `system error 133` or words of a text mean."""
+    """Meaning of `647`, `reis 647`, `rk512 14h`, `system error 133` or words of a text."""
     return find(catalogue().values(), key)
 
 

@@ -1,6 +1,6 @@
 """Finds and reads configuration files; no other code opens one.
 
-Looked up in this order: the path as given, $AXISGATE_CONFIGS (several folders separated by `:`), the packaged configs.
+Search order: the path as given, $AXISGATE_CONFIGS (several folders separated by `:`), the packaged configs.
 """
 
 import os
@@ -78,7 +78,7 @@ def _names(name: str, kind: str) -> list[str]:
 
 
 def names_in(kind: str) -> list[str]:
-    """What `find_config` finds by name alone."""
+    """Names that `find_config` finds without a path."""
     return sorted({path.stem for folder in _folders() for path in (folder / kind).glob("*" + (SUFFIX.get(kind) or ".*"))})
 
 

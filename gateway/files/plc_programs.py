@@ -43,7 +43,7 @@ def read_listing(path: pathlib.Path) -> str:
 
 
 def write_programs(folder: pathlib.Path, programs: Mapping[str, str]) -> list[pathlib.Path]:
-    """Writes NAME.PLC each.  ProgramFileFault, before anything is written: a file is there already."""
+    """Write NAME.PLC for each.  ProgramFileFault, before anything is written: a file exists already."""
     paths = {folder / f"{name}{SUFFIX}": text for name, text in programs.items()}
     there = [path for path in paths if path.exists()]
     if there:

@@ -1,6 +1,6 @@
-"""The edge of a robot file: TOML in mm, deg and s, checked by pydantic, out comes the plain `motion.robot.Robot`.
+"""The edge of a robot file: TOML in mm, deg and s, checked by pydantic, converted to the plain `motion.robot.Robot`.
 
-`load_robot` is the only way in.  RobotFaults names everything that is wrong: file, key, value, what is expected.
+`load_robot` is the only way in.  RobotFaults lists every fault: file, key, value, expected form.
 """
 
 import math
@@ -30,7 +30,7 @@ NO_SIGNS: list[Literal[1, -1]] = [1, 1, 1, 1, 1, 1]
 
 
 class RobotFaults(Exception):
-    """A robot file that cannot be used; `faults`: (key, what is wrong) in the order of the file."""
+    """A robot file that cannot be used; `faults`: (key, fault) in the order of the file."""
 
     def __init__(self, path: str, faults: Sequence[tuple[str, str]]) -> None:
         self.path, self.faults = path, tuple(faults)

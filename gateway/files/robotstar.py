@@ -121,7 +121,7 @@ def text_of(path: Path) -> str:
 
 
 def write(folder: Path, files: Mapping[str, str]) -> None:
-    """Writes programs; FolderFault where one is there already: nothing is overwritten."""
+    """Write programs; FolderFault if one exists already: nothing is overwritten."""
     there = [name for name in files if (folder / name).exists()]
     if there:
         raise FolderFault(f"{folder} holds {', '.join(there)} already; name an empty folder")

@@ -1,4 +1,4 @@
-"""The directory of a ROBOTstar memory on disk: what it shows, and what its keys do: protect, delete, rename, copy.  Source: robotstar 1.2,
+"""The directory of a ROBOTstar memory on disk: its display, and its keys: protect, delete, rename, copy.  Source: robotstar 1.2,
 1.3, L1033-1146; AX-1001."""
 
 import datetime
@@ -50,7 +50,7 @@ def _time(path: Path) -> str:
 
 
 def protect(folder: Path, name: str, letters: str) -> str:
-    """Locks these letters of a program and releases the others; what the directory shows then.  FolderFault, Protected."""
+    """Lock these letters of a program and release the others; return the directory's new display.  FolderFault, Protected."""
     file, locked = _file(folder, name), letters_of(letters)
     write_locks(folder, {**locks_of(folder), file: locked})
     return shown(locked)
@@ -82,8 +82,9 @@ def copy(folder: Path, name: str, to: str) -> str:
 
 
 def change_step(folder: Path, name: str, what: str, number: int, text: str = "") -> int:
-    """Changes one step (L1496-1510): what is edit (`text`), delete or invert (valid, invalid); where the cursor is then.  FolderFault,
-    Protected."""
+    """Change one step (L1496-1510): `what` is edit (`text`), delete or invert (valid, invalid); return the new cursor position.
+    FolderFault, Protected.
+    """
     file = _file(folder, name)
     demand(file, locks_of(folder).get(file, ""), EDIT if what == "edit" else STRUCTURE)
     lines = text_of(folder / file).splitlines()
@@ -112,7 +113,7 @@ def change_step(folder: Path, name: str, what: str, number: int, text: str = "")
 
 
 def _wrong_step(file: str, lines: list[str], at: int) -> str:
-    """What keeps a line from being a step; "" for nothing."""
+    """Fault that keeps a line from being a step; "" for none."""
     name, _, kind = file.rpartition("/")[2].rpartition(".")
     if kind.upper() == "PLC":
         found = step_of(unnumbered(lines[at]), at + 1) if 0 < at < len(lines) - 1 else None

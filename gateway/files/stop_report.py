@@ -1,4 +1,4 @@
-"""The report of `axisgate drive loss-test --running`, read as evidence that a type of drive stops when the gateway is gone."""
+"""The report of `axisgate drive loss-test --running`, read as evidence that a type of drive stops when the gateway fails."""
 
 import hashlib
 import json
@@ -15,7 +15,7 @@ MOST_BYTES = 1 << 20
 
 
 class NoEvidence(ValueError):
-    """Why the report proves nothing for this axis, and what to do."""
+    """Why the report proves nothing for this axis, and the remedy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ def sheet_digest(cell: Cell, axis: Axis) -> str:
 
 
 def stop_evidence(cell: Cell, axis: Axis) -> StopEvidence:
-    """What the report named by `stop_evidence` measured of a drive of this type.  NoEvidence."""
+    """The measurement of a drive of this type in the report named by `stop_evidence`.  NoEvidence."""
     name = axis.stop_evidence
     digest = sheet_digest(cell, axis)
     if not digest:

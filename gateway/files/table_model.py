@@ -1,4 +1,4 @@
-"""What all models of the cell file share: the strict table, names, units.
+"""Common base of all models of the cell file: the strict table, names, units.
 
 Strict, frozen, unknown keys forbidden.  Field names are the keys of the file (`from` by alias); a test compares both sides.
 """

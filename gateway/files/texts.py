@@ -17,5 +17,5 @@ def read_texts(name: str) -> Texts:
 
 @functools.cache
 def spoken(*names: str) -> Spoken:
-    """What finds the German of sentences that are written in English, by these files."""
+    """A function that translates English sentences to German, by these files."""
     return Spoken([pair for name in names for pair in read_texts(name).pairs()])

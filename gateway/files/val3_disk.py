@@ -10,7 +10,7 @@ LARGEST = 64 << 20  # bytes of all files together
 
 
 class DiskUnreadable(Exception):
-    """One sentence: what, where, what to do."""
+    """One sentence: fault, place, remedy."""
 
 
 def read_disk(folder: pathlib.Path) -> Disk:

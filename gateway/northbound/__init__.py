@@ -1,1 +1,1 @@
-"""Values for systems above: MQTT, OPC UA, Prometheus, journald.  Read only, a process of its own, off by default."""
+"""Values for higher-level systems: MQTT, OPC UA, Prometheus, journald.  Read only, a process of its own, off by default."""

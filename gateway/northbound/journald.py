@@ -12,7 +12,7 @@ from gateway.runtime.journal import JournalReader
 
 SOCKET = "/run/systemd/journal/socket"
 PRIORITY = {"alarm": 3, "error": 3, "link": 5, "retain": 4, "process": 5}  # syslog's: 3 error, 4 warning, 5 notice; else 6, information
-MOST_RECORD = 100_000  # longer datagrams want a memfd; nothing of ours is that long
+MOST_RECORD = 100_000  # longer datagrams need a memfd; none of these records is that long
 
 
 class Journald:
@@ -22,12 +22,12 @@ class Journald:
         self._slug, self._address = slug, address
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self._socket.setblocking(False)
-        self._reader = JournalReader(journal, 0)  # what an earlier run wrote was reported then
+        self._reader = JournalReader(journal, 0)  # records of an earlier run were reported then
         self._waiting: deque[bytes] = deque()
         self.sent = 0
 
     def look(self) -> None:
-        """Sends what has been written since; never waits."""
+        """Send new records; never waits."""
         with contextlib.suppress(OSError):
             if self._hand_over():
                 self._waiting.extend(self._reader.lines())

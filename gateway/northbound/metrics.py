@@ -82,7 +82,7 @@ class Metrics:
         return page.text()
 
     def _axes(self, page: Page) -> None:
-        """Of every axis of the cell, however many; positions in its own unit."""
+        """Values of every axis of the cell; positions in its own unit."""
         units = {name: {"axis": name, "unit": unit} for name, unit, _ in self._regions.facts}
         rows = self._regions.drives()
         for name, words in (("actual", "position"), ("set", "set position"), ("lag", "position lag"), ("speed", "of the axis, per second")):
@@ -137,7 +137,7 @@ class Metrics:
         async def one(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
             with contextlib.suppress(OSError, TimeoutError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
                 async with asyncio.timeout(REQUEST_S):
-                    request = await reader.readuntil(b"\r\n\r\n")  # a half one keeps nobody waiting
+                    request = await reader.readuntil(b"\r\n\r\n")  # an incomplete one delays nobody
                     async with gate:
                         status, kind, text = self.answer(request)
                         body = text.encode()

@@ -1,4 +1,6 @@
-"""Changed values to a broker, at least once, stored while it is away (AX-428).  paho-mqtt does the protocol in a thread of its own."""
+"""Publishes changed values to a broker, at least once, stored while it is away (AX-428).  paho-mqtt runs the protocol in a thread of its
+own.
+"""
 
 import asyncio
 import importlib
@@ -15,7 +17,7 @@ from gateway.runtime.clock import wall
 paho: Any = importlib.import_module("paho.mqtt.client")  # its stubs are those of version 1
 RETAINED_S = 1.0  # the broker keeps a message with all values; after a change it is renewed within this
 KEPT, PASSING = "+-"  # how a message in the outbox begins: the broker retains it, or passes it on only
-WHOLE_EVERY = 60  # messages: one with all values, so that whoever came late or missed some knows them
+WHOLE_EVERY = 60  # messages: one with all values, for subscribers that joined late or missed some
 RECONNECT_S = (1, 8)
 
 
@@ -49,7 +51,7 @@ class MqttOut:
         self._client.loop_start()
 
     def publish(self, values: dict[str, Value]) -> None:
-        """A look at all values: what changed becomes one message."""
+        """Compare all values: the changed ones become one message."""
         now = time.monotonic()
         behind = self._since_whole > 0 and now - self._whole_at >= RETAINED_S  # the broker's retained values are old
         whole = self._since_whole >= WHOLE_EVERY or self.box.dropped != self._dropped or behind

@@ -22,7 +22,7 @@ MOST_USED = 16  # places of use listed in a row, and searched by
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One value.  `id` is what a page watches: in:24, out:64, db:10:2, db:10:0.8, axis:A1.actual, cell.ready, named:order.number,
+    """One value.  `id` is the name used in a watch list: in:24, out:64, db:10:2, db:10:0.8, axis:A1.actual, cell.ready, named:order.number,
     io:button, inw:90:2 (two bytes of the RC inputs from byte 90 on), outw:64:1."""
 
     id: str
@@ -82,7 +82,7 @@ class Names:
         return len(found), found[:MOST]
 
     def entry(self, id_: str) -> Entry:
-        """What a page watches under this id, also bytes and words of the image, which are in no list.  KeyError: no such value."""
+        """The value with this id of a watch list, also bytes and words of the image, which are in no list.  KeyError: no such value."""
         found = self.by_id.get(id_)
         if found is not None:
             return found
@@ -207,7 +207,7 @@ def _entries(block: Db, used: dict[str, list[str]]) -> Iterator[Entry]:
 
 
 def _uses(cell: Cell) -> dict[str, list[str]]:
-    """Name or id -> where the cell speaks of it."""
+    """Name or id -> its places in the cell."""
     used: dict[str, list[str]] = defaultdict(list)
     for block in cell.db:
         for entry in block.entries:

@@ -23,12 +23,12 @@ from gateway.pure.image.records.planner import unpack_planner
 from gateway.runtime.regions import RegionReader
 from motion.geometry.units import to_si
 
-STALE_NS = 250_000_000  # a cycle or services silent for so long: everything it reports is old
+STALE_NS = 250_000_000  # a cycle or services silent for so long: all their values are old
 Row = dict[str, Any]
 
 
 class Shown(Protocol):
-    """What is to be known of a run."""
+    """Facts about a run."""
 
     @property
     def cell(self) -> Cell:
@@ -40,7 +40,7 @@ class Shown(Protocol):
 
 
 class Regions:
-    """What cycle and services published last, as plain dictionaries in the axes' own units."""
+    """The last published state of cycle and services, as plain dictionaries in the axes' own units."""
 
     def __init__(self, plan: Shown, fds: dict[str, int]) -> None:
         self.plan = plan
@@ -58,7 +58,7 @@ class Regions:
         self._seen = [-1, -1, -1]
 
     def look(self) -> None:
-        """Take over what is new."""
+        """Read new data."""
         for number, (region, take) in enumerate(((self.axes, self._state), (self.links, self._status), (self.rc_in, self._inputs))):
             payload = region.read()
             if payload is not None and region.index != self._seen[number]:
@@ -72,7 +72,7 @@ class Regions:
     def _status(self, payload: bytes) -> None:
         try:
             self.status = json.loads(payload)
-        except ValueError:  # longer than its region: what was there before stays
+        except ValueError:  # longer than its region: the former value stays
             return
 
     def _inputs(self, payload: bytes) -> None:
@@ -85,7 +85,7 @@ class Regions:
         return (now - cycle) / 1e6 if cycle else never, (now - services) / 1e6 if services else never
 
     def head(self) -> Row:
-        """What every page shows."""
+        """The head of every page."""
         state, (cycle, services) = self.state, self.ages()
         stale = cycle * 1e6 > STALE_NS
         missing = [name for name, permit in PERMITS if not state.permits & permit]
@@ -132,7 +132,7 @@ class Regions:
         return rows
 
     def counters(self) -> Row:
-        """Of the cycle."""
+        """Counters of the cycle."""
         state = self.state
         return {
             "cycles": state.cycle,
@@ -145,7 +145,7 @@ class Regions:
         }
 
     def queue(self) -> Row:
-        """What the planner does; empty where there is none."""
+        """State of the planner; empty without one."""
         payload = self.planner.read() if self.planner is not None else None
         if payload is None:
             return {}

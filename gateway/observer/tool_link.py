@@ -12,7 +12,7 @@ from gateway.pure.cell.web import PAGE_SOURCE
 PATIENCE_S = 4.0  # services are back within 3 s of their death
 GLANCE_S = 0.4  # of looks, ten times a second: an answer that is late is not waited for
 AGAIN_S = 0.1
-HAND_S = 2.0  # of what is simulated
+HAND_S = 2.0  # for simulated parts
 LONGEST = 1 << 20
 Row = dict[str, Any]
 
@@ -54,7 +54,7 @@ class Link:
             try:
                 self._reader, self._writer = await asyncio.open_unix_connection(self.path, limit=LONGEST)
             except OSError:
-                await asyncio.sleep(AGAIN_S)  # within our patience, and before anything was sent: no command is given twice
+                await asyncio.sleep(AGAIN_S)  # within the time limit, and before anything was sent: no command is sent twice
         assert self._reader is not None
         self._writer.write(json.dumps(request).encode() + b"\n")
         await self._writer.drain()

@@ -22,7 +22,7 @@ class LinePrograms(Baps2Programs):
         self.language.connect(self._lines.units)
 
     def seen(self, now: int) -> dict[str, object]:
-        """Nothing of its own; lines that come and go are reported meanwhile."""
+        """Nothing of its own; reports lost and returning lines."""
         for name, why in self._lines.reasons().items():
             if why != self._reported.get(name, NOT_YET):
                 self._reported[name] = why

@@ -1,4 +1,4 @@
-"""How the supervisor starts a child: what it gets of the regions, and whether it is a copy of this process or a new Python (AX-1740)."""
+"""Starting a child in the supervisor: its regions, and whether it is a copy of this process or a new Python (AX-1740)."""
 
 import contextlib
 import functools
@@ -18,7 +18,7 @@ from gateway.runtime.spare import OPTION
 # An unused pool of threads delays the end of a killed cycle and takes 80 MB (AX-434)
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 SERVICES, CYCLE, PLANNER = "gateway.services.loop", "gateway.cycle.loop", "gateway.processes.planner"
-LOADED_TWICE = {SERVICES: SERVICES, PLANNER: CYCLE}  # the spare needs what the services do, a planner most of what the cycle does
+LOADED_TWICE = {SERVICES: SERVICES, PLANNER: CYCLE}  # the spare needs the modules of the services, a planner most of those of the cycle
 
 
 class Starter:
@@ -58,7 +58,7 @@ class Starter:
                 importlib.import_module(child.module)
 
     def _given(self, child: Child) -> tuple[list[str], list[int], dict[str, str]]:
-        """Its arguments, the files it inherits, and what is added to its environment."""
+        """Its arguments, the inherited files, and the additions to its environment."""
         fds = {name: self._fds[name] for name in child.regions}
         arguments, keep, environment = [*child.arguments], list(fds.values()), dict(ONE_THREAD)
         if fds:

@@ -92,7 +92,7 @@ class Chip:
 
 
 def words_of(error: Exception) -> str:
-    """What to do about it."""
+    """The remedy."""
     if isinstance(error, FileNotFoundError):
         return "no such gpiochip; gpiodetect lists those that are there"
     if isinstance(error, PermissionError):

@@ -44,7 +44,7 @@ TAKEN = 64
 
 
 class CellPort:
-    """What programs see and say, through regions and rings."""
+    """Inputs and outputs of programs, through regions and rings."""
 
     def __init__(self, plan: RunPlan, fds: Mapping[str, int], journal: Journal, run_id: int) -> None:
         self.view = View()
@@ -119,7 +119,7 @@ class CellPort:
         self._line(Say.FINISH, job)
 
     def end(self, job: int) -> None:
-        """Nothing follows any more."""
+        """No blocks follow."""
         self._line(Say.END, job)
 
     def started(self, run: int, program: str, kind: str, parent: int) -> None:
@@ -133,7 +133,7 @@ class CellPort:
         self.lost_files.over(run)
 
     def report(self, program: str, line: int, text: str) -> None:
-        """What a person should read."""
+        """Report to the operator."""
         self._journal.write("program", f"{program} line {line}: {text}" if line else f"{program}: {text}")
 
     def correct(self, record: bytes) -> None:
@@ -203,7 +203,7 @@ class InterpreterProcess:
         self._stop = True
 
     def turn(self) -> None:
-        """Orders, programs, files, what others see."""
+        """Orders, programs, files, published state."""
         began = time.monotonic_ns()
         now = began - (began - self._phase) % self.period_ns  # that of the timer: how late this turn is must not move the next ones
         self.port.look()
@@ -270,7 +270,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--fds", required=True)
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
-    go_ahead()  # as the planner: synchronous tasks begin with the period, whatever else wants the processor
+    go_ahead()  # like the planner: synchronous tasks begin with the period, whatever else needs the processor
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     plan = load_plan(arguments.plan)
     try:

@@ -1,7 +1,7 @@
-"""The northbound process: what [northbound] of the cell names, off by default (AX-427).
+"""The northbound process: the services of [northbound] in the cell, off by default (AX-427).
 
-It reads the regions and writes none, at the lowest priority: whatever a broker, a client or this process itself does, the side of the
-machine does not feel it.  It may die at any time; the supervisor starts it again.
+It reads the regions and writes none, at the lowest priority: a broker, a client or this process itself cannot disturb the machine's side.
+It may die at any time; the supervisor starts it again.
 """
 
 import argparse

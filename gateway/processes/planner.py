@@ -1,5 +1,5 @@
-"""The planner process: programs in by a ring, motion pieces out by another.  It may die between any two writes: what the cycle
-holds then ends at rest on the path, and nothing moves again without a fresh order.
+"""The planner process: it receives programs by a ring and sends motion pieces by another.  It may die between any two writes: the cycle's
+remaining pieces end at rest on the path, and nothing moves again without a new order.
 """
 
 import argparse
@@ -83,7 +83,7 @@ class PlannerProcess:
         return team
 
     def _as_ordered(self, robots: Machine | Team, number: int) -> None:
-        """Whoever orders a program was looked at with the axes it had as the run began."""
+        """Programs in orders were checked with the axes they had when the run began."""
         if number in self.plan.programs and mask_of(self.plan.cell, robots) & ~self.plan.programs[number].mask:
             raise MotionError(f"program {number} moves other robots than when the run began: start the gateway again")
 
@@ -124,7 +124,7 @@ class PlannerProcess:
         self._stop = True
 
     def turn(self) -> None:
-        """New statements, what the cycle does, pieces that are due."""
+        """New statements, state of the cycle, pieces that are due."""
         now = time.monotonic_ns()
         taken = self.taken.read()  # before the state: it includes what counts as taken
         payload = self.axes.read()
@@ -170,8 +170,8 @@ class PlannerProcess:
 def heard(blocks: RingReader, lines: RingReader | None) -> list[BlockRecord]:
     """New records of the services, then statements of the interpreter.
 
-    A statement is written when its stream is ordered: of those that were there before the orders were looked at, the streams are known.
-    One that came meanwhile waits for the next turn, else the planner would not know its job, and drop it (AX-1691).
+    A statement is written when its stream is ordered: for statements present before the orders were read, the streams are known. One that
+    arrives later waits for the next turn, because the planner would not know its job and drop it (AX-1691).
     """
     known = 0 if lines is None else lines.waiting
     records = [unpack_block(data) for _, data in blocks.take(TAKEN)]
@@ -186,7 +186,7 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument("--fds", required=True)
     arguments = parser.parse_args(argv)
     die_with_parent(number=signal.SIGKILL)
-    go_ahead()  # as the services: what they do for many partners must not starve it
+    go_ahead()  # like the services: their work for many partners must not starve it
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with contextlib.suppress(KeyboardInterrupt):
         PlannerProcess(load_plan(arguments.plan), fds_from_text(arguments.fds)).run()

@@ -44,13 +44,13 @@ from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, Ring
 from gateway.runtime.safe_file import write_whole
 
 TAKEN = 256  # orders a period
-GO_ON = 20_000  # commands a scan may run before the clock is asked again
-KEEP_NS = 500_000_000  # what outlives power-off is written so often, when it has changed
+GO_ON = 20_000  # commands a scan may run before the clock is read again
+KEEP_NS = 500_000_000  # interval for writing changed retained data
 SHOW_NS = 100_000_000  # the test display likewise
 
 
 class Keeper:
-    """Writes the newest of what outlives power-off; a slow disk delays no other part."""
+    """Writes the newest retained data; a slow disk delays no other part."""
 
     def __init__(self, path: pathlib.Path | None, journal: Journal) -> None:
         self._path, self._journal = path, journal
@@ -62,7 +62,7 @@ class Keeper:
             self._thread.start()
 
     def read(self) -> bytes:
-        """What the last run left; b"": nothing."""
+        """Data of the last run; b"": none."""
         if self._path is None:
             return b""
         try:
@@ -80,7 +80,7 @@ class Keeper:
             self._change.notify()
 
     def close(self) -> None:
-        """What waits is written."""
+        """Write the waiting data."""
         with self._change:
             self._closing = True
             self._change.notify()
@@ -140,7 +140,7 @@ class PlcProcess:
 
     # ---- start ---------------------------------------------------------------------------------------------------------
     def _begin(self) -> None:
-        """After a death the copy that ran, with its markers; else the start program with what outlived power-off."""
+        """After a death the copy that ran, with its markers; else the start program with the retained data."""
         last, now = self.region.latest(), time.monotonic_ns()
         before = None if last is None else unpack_plc(last)
         if before is not None:  # before anything slow
@@ -221,7 +221,7 @@ class PlcProcess:
         self._stop = True
 
     def turn(self) -> None:
-        """Orders, the robot's markers, one period, what came of it."""
+        """Orders, the robot's markers, one period, its results."""
         now = self._scan_begun = time.monotonic_ns()
         for _, data in self.orders.take(TAKEN):
             self._obey(unpack_facts(data))

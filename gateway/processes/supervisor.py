@@ -1,7 +1,7 @@
-"""The supervisor: makes the regions, starts the processes, watches their life, restarts them (design: section 4).
+"""The supervisor: creates the regions, starts, watches and restarts the processes (design: section 4).
 
 Restart: at once, then after 1, 2, 5 s; six failures in a minute: the journal reports it, the cycle stays down, every other process is tried
-again every 10 s (AX-621).  Tools ask it for status, regions (fds by SCM_RIGHTS), hold, release, stop.
+again every 10 s (AX-621).  Tools send it requests: status, regions (fds by SCM_RIGHTS), hold, release, stop.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ from gateway.runtime.start_watch import StartWatch
 WAITS_NS = (0, 1_000_000_000, 2_000_000_000, 5_000_000_000)
 WINDOW_NS = 60_000_000_000
 TOO_MANY = 6
-SLOW_NS = 10_000_000_000  # between two starts of a process that died so often
+SLOW_NS = 10_000_000_000  # between two starts of a process that died that often
 STAYS_DOWN = "cycle"  # moves axes: after so many deaths the operator must check first
 END_S = 0.1  # patience with the death of a process that was ended; one that hangs in the kernel is buried later
 BUSY_REPORT_NS = 10_000_000_000  # report interval for a process that gets no processor time
@@ -159,7 +159,7 @@ class Supervisor:
         self.journal.write("process", f"{child.name} started, pid {running.process.pid}", pid=running.process.pid, child=child.name)
 
     def _hear(self, running: Running) -> None:
-        """Take what a child prints into the journal."""
+        """Copy the output of a child to the journal."""
         if running.process is None or running.process.stdout is None or running.process.stdout.closed:
             return  # buried in this very turn
         data = os.read(running.process.stdout.fileno(), 65536)

@@ -52,7 +52,7 @@ class ToolRequests:
         return listener
 
     def _accept(self, listener: socket.socket) -> None:
-        """A tool has connected.  Its request is read when it comes; nothing waits for it meanwhile."""
+        """A tool has connected.  Its request is read when it arrives; nothing waits for it."""
         with contextlib.suppress(OSError):
             connection, _ = listener.accept()
             if len(self._tools) >= TOOLS:
@@ -100,6 +100,6 @@ def _request(heard: bytes) -> dict[str, object] | None:
     """The tool's request; None: no complete JSON object yet."""
     try:
         request = json.loads(heard)
-    except ValueError:  # also what is not UTF-8
+    except ValueError:  # also invalid UTF-8
         return None
     return request if isinstance(request, dict) else None

@@ -46,7 +46,7 @@ class Val3Programs:
         return self.language.seen(now)
 
     def write_back(self) -> list[str]:
-        """What libSave and libDelete have changed."""
+        """Files changed by libSave and libDelete."""
         files, faults = self._disk.files, []
         if files == self._kept:
             return []

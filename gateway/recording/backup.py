@@ -61,12 +61,12 @@ class Manifest:
     title: str
     parts: tuple[Part, ...]
     left_out: tuple[str, ...] = ()  # files the cell names that lie elsewhere
-    withheld: tuple[str, ...] = ()  # keys, passwords, users of the page: only in a backup that was asked to hold them
+    withheld: tuple[str, ...] = ()  # keys, passwords, users of the page: only included in a backup on request
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What restoring does with one file: new | same | replaced."""
+    """Result of restoring one file: new | same | replaced."""
 
     part: Part
     what: str
@@ -97,7 +97,7 @@ def make(cell: Cell, target: pathlib.Path, *, secrets: bool = False) -> Manifest
 
 
 def sources(cell: Cell, scratch: pathlib.Path) -> tuple[dict[str, tuple[str, pathlib.Path]], list[str]]:
-    """Name in the backup -> (role, file), and what the cell names that lies elsewhere."""
+    """Name in the backup -> (role, file), and the files of the cell in other folders."""
     file = pathlib.Path(cell.file).resolve()
     found = {file.name: ("cell file", file)}
     left_out = []
@@ -154,7 +154,7 @@ def files_below(folder: pathlib.Path) -> list[pathlib.Path]:
 
 
 def _role(cell: Cell, path: pathlib.Path) -> str:
-    """What a file the cell names is."""
+    """Role of a file that the cell names."""
     if path.name.startswith(data_file(cell, cell.web or Web(), simulated=False).name):
         return USERS
     words = tomllib.loads(read_text(pathlib.Path(cell.file)))
@@ -185,7 +185,7 @@ def copied(source: pathlib.Path, target: pathlib.Path) -> None:
 
 
 def copied_as_is(source: pathlib.Path, target: pathlib.Path) -> None:
-    """Of any SQLite file.  OSError."""
+    """A copy of any SQLite file.  OSError."""
     try:
         closing, connect = contextlib.closing, sqlite3.connect
         with closing(connect(f"file:{source}?mode=ro", uri=True)) as here, closing(connect(target)) as there:
@@ -215,7 +215,7 @@ def read(path: pathlib.Path) -> Manifest:
 
 
 def steps(manifest: Manifest, folder: pathlib.Path) -> list[Step]:
-    """What restoring into `folder` would do."""
+    """The steps of restoring into `folder`."""
     found = []
     for part in manifest.parts:
         there = folder / part.name
@@ -277,7 +277,7 @@ def check(folder: pathlib.Path, manifest: Manifest) -> Cell:
 
 @contextlib.contextmanager
 def stand_ins(folder: pathlib.Path, manifest: Manifest) -> Iterator[None]:
-    """Empty files where keys were withheld, as the cell asks whether they are there."""
+    """Empty files in place of withheld keys, because the cell checks that they exist."""
     made = [place for name in manifest.withheld if not (place := folder / name).exists()]
     for place in made:
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -290,7 +290,7 @@ def stand_ins(folder: pathlib.Path, manifest: Manifest) -> Iterator[None]:
 
 
 def version() -> str:
-    """Of this axisgate."""
+    """Version of this axisgate."""
     return importlib.metadata.version("axisgate")
 
 
@@ -306,7 +306,7 @@ def _put_by(place: pathlib.Path, part: Part) -> pathlib.Path:
     old = place.with_name(f"{place.name}.before-{mark}-{number}")
     if part.role == RETAINED:
         with contextlib.suppress(OSError, sqlite3.Error):
-            copied(place, old)  # with what is in its log
+            copied(place, old)  # including its log
             return old
     shutil.copy2(place, old)
     return old

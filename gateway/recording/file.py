@@ -22,7 +22,7 @@ class RecordError(Exception):
 
 
 class Writer:
-    """Appends to one file.  What was taken is on its way to the disk after `flush`."""
+    """Appends to one file.  Accepted data are on their way to the disk after `flush`."""
 
     def __init__(self, path: pathlib.Path, head: Mapping[str, Any], cell: bytes) -> None:
         """Begin a new file, or continue after the last complete block of one; `resumed` reports which."""
@@ -68,7 +68,7 @@ class Writer:
         self._block(Kind.LOST, json.dumps(what).encode())
 
     def flush(self) -> None:
-        """What waits becomes a block."""
+        """Write the waiting records as a block."""
         if self._first is not None:
             head = json.dumps({"first": self._first, "last": self._last, "sequence": self.sequence}).encode()
             body = zlib.compress(bytes(self._waiting), 1)
@@ -109,7 +109,7 @@ class Segment:
     last: int = 0
 
     def played(self) -> Iterator[tuple[int, list[Message]]]:
-        """(cycle, its messages); what belongs to no cycle (the start's own) is left out.  DecodeError."""
+        """(cycle, its messages); messages outside a cycle (those of the start) are left out.  DecodeError."""
         script: list[Message] = []
         number = int(self.start["cycle"])
         for block in self.blocks:
@@ -126,7 +126,7 @@ class Segment:
 
 @dataclass(slots=True)
 class Found:
-    """What a file holds."""
+    """Content of a file."""
 
     head: Mapping[str, Any] = field(default_factory=dict)
     cell: bytes = b""
@@ -135,7 +135,7 @@ class Found:
     spoiled: Sequence[int] = ()  # places of blocks whose CRC is wrong
     cut: int = 0  # bytes of a half block at the end
     ended: bool = False
-    continues: bool = False  # what comes next may go on with the last segment
+    continues: bool = False  # the following block may continue the last segment
     sequence: int = 0
 
     @property
@@ -192,7 +192,7 @@ def _more(found: Found, segment: Segment | None, payload: bytes, at: int) -> Seg
     if segment is None or head["first"] not in (segment.last, segment.last + 1):
         if segment is not None:
             found.lost.append({"after_cycle": segment.last, "why": f"cycles up to {head['first'] - 1} are not in the file (at {at})"})
-        return None  # it continues nothing that is there
+        return None  # it continues no existing segment
     segment.blocks.append(payload[4 + size :])
     segment.cycles += int(head["last"]) - segment.last
     segment.last = int(head["last"])

@@ -45,7 +45,7 @@ class RecorderError(Exception):
 
 @dataclass(slots=True)
 class Rings:
-    """What a run passes to a recorder."""
+    """Rings that a run passes to a recorder."""
 
     record: RingReader
     events: RingReader
@@ -56,7 +56,7 @@ class Rings:
 
 @dataclass(slots=True)
 class Counts:
-    """Of one recorder."""
+    """Counters of one recorder."""
 
     cycles: int = 0
     lost: list[dict[str, Any]] = field(default_factory=list)
@@ -124,13 +124,13 @@ class Recorder:
             if now - self._heard > SILENT_S and now - self._asked_at > ASK_AGAIN_S and self._next is not None:
                 self._lose("the cycle no longer ran; the recording continues at its next start")
             elif self._next is None and now - self._asked_at > ASK_AGAIN_S and not took:
-                self._wish()  # the cycle that was asked may have died
+                self._wish()  # the cycle that got the request may have died
             if took < AT_ONCE:
                 time.sleep(NAP_S)
         self.turn()
 
     def turn(self) -> int:
-        """Take what waits; how many records of the cycle that were."""
+        """Read the waiting records; return how many of the cycle there were."""
         records = self._rings.record.take(AT_ONCE)
         self._take_outputs()
         if self._rings.record.gaps > self._gaps:
@@ -181,7 +181,7 @@ class Recorder:
             self._outputs.popleft()
 
     def _outputs_of(self, cycle: int) -> bytes:
-        """What the cycle published; missing: counted, it is then not compared."""
+        """Outputs published by the cycle; a missing one is counted and not compared."""
         if not any(number == cycle for number, _ in self._outputs):  # nearly always the first
             self.counts.outputs_lost += 1
             return b""
@@ -231,7 +231,7 @@ def head_of(status: Mapping[str, Any], rings: Rings, **more: Any) -> dict[str, A
 
 
 def status_of(run: str) -> dict[str, Any]:
-    """Of a run; RecorderError."""
+    """Status of a run; RecorderError."""
     try:
         with ask(run, "status") as connection:
             found: dict[str, Any] = json.loads(connection.makefile().readline())

@@ -27,7 +27,7 @@ class Moved:
 
 @dataclass(frozen=True, slots=True)
 class Renamed:
-    """`attributes`: name when it was recorded -> name today, GONE: it has none any more."""
+    """`attributes`: name in the recording -> present name, GONE: it has none any more."""
 
     of: str
     attributes: dict[str, str]

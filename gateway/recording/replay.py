@@ -36,7 +36,7 @@ EVENTS_NS = 1_000_000_000
 
 @dataclass(slots=True)
 class Verdict:
-    """Of one recording."""
+    """Verdict on one recording."""
 
     cycles: int = 0  # played
     seconds: float = 0.0
@@ -86,7 +86,7 @@ class Bench:
         return core, [make_family(cell, bus, period, simulated=self._simulated) for bus in self._driven], encoders
 
     def wires(self, families: list[Any]) -> FastWires | None:
-        """What of these families goes past the services (AX-481)."""
+        """Wires of these families that bypass the services (AX-481)."""
         return fast_wires(self.cell, {bus.name: family for bus, family in zip(self._driven, families, strict=True)})
 
 
@@ -153,7 +153,7 @@ def _play(segment: Segment, player: Player, verdict: Verdict, zero: int, said: C
     events_before: deque[ServiceEvent] = deque(maxlen=EVENTS_KEPT)
     first_ns = 0
     for _, script in segment.played():
-        if script[0].what is not What.BEGIN:  # what the start brought along
+        if script[0].what is not What.BEGIN:  # records of the start
             _prepare(player, script)
             continue
         events_before.extend(unpack_service_event(payload) for what, payload in script if what is What.SERVICE_EVENT)

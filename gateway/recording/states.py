@@ -24,14 +24,14 @@ class StateError(Exception):
 
 
 class Kept:
-    """Stands for what is not carried: settings of the cell by their number, solvers that hold nothing at rest (-1)."""
+    """Replaces what is not carried: settings of the cell by their number, solvers that hold nothing at rest (-1)."""
 
     def __init__(self, number: int = -1) -> None:
         self.number = number
 
 
 class Numbers:
-    """Stands for an array: its numbers are state as any other."""
+    """Replaces an array: its numbers are state as any other."""
 
     def __init__(self, shape: list[int], kind: str, octets: bytes) -> None:
         self.shape, self.kind, self.octets = shape, kind, octets
@@ -49,7 +49,7 @@ class Start:
 
 
 class Snapshots:
-    """Of one cycle process; made before its first cycle, so that its values at that time count as settings."""
+    """Snapshots of one cycle process; created before its first cycle, so that its values at that time count as settings."""
 
     def __init__(self, *roots: object) -> None:
         self.settings: list[object] = []  # in the order they are met, which is the same for the same cell
@@ -71,7 +71,7 @@ class Snapshots:
     def _learn(self, value: object) -> Kept | None:
         if _is_frozen(type(value)) and id(value) not in self._known:
             self._known[id(value)] = len(self.settings)
-            self.settings.append(value)  # held, or its id might be given to another
+            self.settings.append(value)  # kept alive, or its id might be reused
         return Kept() if _solver(value) else None
 
     def _leave_out(self, value: object) -> Kept | None:
@@ -96,7 +96,7 @@ class _Pickler(pickle.Pickler):
 
 
 def _array(value: object) -> bool:
-    """Of numpy, which need not be loaded for this."""
+    """A numpy array, without loading numpy."""
     return type(value).__name__ == "ndarray" and type(value).__module__ == "numpy"
 
 
@@ -125,7 +125,7 @@ def frozen(root: object) -> Any:
 class _Freezer:
     def __init__(self) -> None:
         self._seen: dict[int, int] = {}
-        self._held: list[object] = []  # so that no number of an object is used twice meanwhile
+        self._held: list[object] = []  # so that no number of an object is reused
 
     def freeze(self, value: object) -> Any:
         if value is None or type(value) in PLAIN:
@@ -144,7 +144,7 @@ class _Freezer:
         return self._changing(value)
 
     def _changing(self, value: Any) -> Any:
-        """What may be meant from two places."""
+        """Objects that two places may share."""
         if id(value) in self._seen:
             return {"same": self._seen[id(value)]}
         self._seen[id(value)] = number = len(self._seen)
@@ -179,9 +179,9 @@ def _slots(kind: type) -> tuple[str, ...]:
 
 
 def places_of(recorded: list[object], target: list[object]) -> list[object]:
-    """Settings of the target by the numbers they have in the recording; None: a changed cell has no such one.
+    """Settings of the target by their numbers in the recording; None: a changed cell has no such one.
 
-    Asked for only where a setting has moved since the beginning; an unchanged one is the target's own.
+    Used only if a setting has moved since the beginning; an unchanged one is the target's own.
     """
     if [type(each) for each in recorded] == [type(each) for each in target]:
         return target
@@ -276,7 +276,7 @@ class _Carrier:
                     self._note(each, now)
 
     def build(self, tree: Any) -> Any:
-        """Anew; only classes of ours and plain data."""
+        """Build an object; only our own classes and plain data."""
         if not isinstance(tree, dict):
             return tree
         if "same" in tree:

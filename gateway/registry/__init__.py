@@ -1,6 +1,6 @@
-"""What exists: kinds a cell file may name, processes, languages and suites, one row each.
+"""Registry: kinds that a cell file may name, processes, languages and suites, one row each.
 
-A row is data and functions that import inside, so reading the registry loads nothing. Code asks a row for what it needs to know
+A row is data and functions that import inside, so reading the registry loads nothing. Code reads the properties of a row
 (`LINE_LAYERS[line.layer].blocks`) and never compares names: a new kind is its own folder and a row in the module of its table.
 docs/adding.md lists the tables.
 """
@@ -29,7 +29,7 @@ __all__ = [
     "layer_spoken",
 ]
 
-NAMES: Mapping[str, Mapping[str, object]] = {  # as gateway.pure.cell.marks.Registered asks
+NAMES: Mapping[str, Mapping[str, object]] = {  # in the form used by gateway.pure.cell.marks.Registered
     "line layers": LINE_LAYERS,
     "drive families": DRIVE_FAMILIES,
     "bus protocols": BUS_PROTOCOLS,

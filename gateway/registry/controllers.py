@@ -20,8 +20,8 @@ class ControllerKind:
 
     name: str
     words: str
-    make: "Callable[[ControllerPlan], tuple[Control, list[str]]]"  # the control, and what its files have wrong
-    flags: str = ""  # what its flags are called where they outlive power-off; "": it has none
+    make: "Callable[[ControllerPlan], tuple[Control, list[str]]]"  # the control, and the faults of its files
+    flags: str = ""  # name of its flags in the retained data; "": it has none
     counters: bool = False
     parameters: bool = False  # machine parameters of [rho3] act in it: processes, pendant, measuring inputs of its boards
     points: bool = False  # [[controller.point]]

@@ -1,4 +1,4 @@
-"""Drives and what is spoken on their buses: `type` of the drive of an [[axis]], `protocol` of a [[bus]]."""
+"""Drives and the protocols of their buses: `type` of the drive of an [[axis]], `protocol` of a [[bus]]."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class DriveFamily:
-    """What the drive of an axis is."""
+    """Family of the drive of an axis."""
 
     name: str
     words: str
@@ -66,7 +66,7 @@ DRIVE_FAMILIES = table(
 
 @dataclass(frozen=True, slots=True)
 class BusProtocol:
-    """What is spoken on a CAN bus."""
+    """Protocol of a CAN bus."""
 
     name: str
     axis_bytes: int  # of one frame of an axis
@@ -74,7 +74,7 @@ class BusProtocol:
     traffic: "Callable[[Cell, Bus], list[Traffic]]"
     clocked: bool = True  # its cycle is the clock of the cell
     nodes: bool = False  # CANopen: nodes, heartbeats, SDO
-    boosted: bool = False  # SERVODYN: the layout is axisgate's own and wants evidence; P5 is its cycle
+    boosted: bool = False  # SERVODYN: the layout is axisgate's own and needs evidence; P5 is its cycle
     blocks: bool = False  # nothing but I/O blocks of the rho 3 (P30)
 
 

@@ -22,20 +22,20 @@ def _procedure_decoder(line: "Line") -> "Decoder":
 
 @dataclass(frozen=True, slots=True)
 class LineLayer:
-    """What rides on the link of a [[line]]."""
+    """Layer above the link of a [[line]]."""
 
     name: str
     words: str  # as texts call it
     source: "Callable[[], Callable[..., BaseSource]]"  # its command source
     commands: bool = True  # it is a command source
     blocks: bool = False  # [[db]] are served by number, with jobs of RK512
-    first: bool = False  # the usual one: blocks without a line are of the only line of this layer, else of the only one that serves any
+    first: bool = False  # the usual one: blocks without a line belong to its only line, else to the only line that serves any
     telegrams: bool = False  # [[telegram]] tables belong to it; a quiet partner is not a loss
     shadowed: bool = False  # a shadow understands it
     kinds: str = "DXEAMTZ"  # of blocks that it carries
-    profile: str = ""  # a station of this profile speaks it whatever the layer says
+    profile: str = ""  # a station of this profile uses it whatever the layer
     dialect: "Callable[[Line], Dialect] | None" = None  # of its blocks
-    failure: "Callable[[Failed | Denied], object] | None" = None  # what the partner shows where our own job failed
+    failure: "Callable[[Failed | Denied], object] | None" = None  # what the partner shows when our own job failed
     decoder: "Callable[[Line], Decoder]" = _procedure_decoder  # decodes the line for page and monitor
 
 
@@ -81,6 +81,6 @@ LINE_LAYERS = table(
 
 
 def layer_spoken(line: "Line") -> LineLayer:
-    """The layer of a line as its station speaks it."""
+    """The layer of a line as its station uses it."""
     station = line.profile.removesuffix("-tcp")
     return next((layer for layer in LINE_LAYERS.values() if layer.profile and layer.profile == station), LINE_LAYERS[line.layer])

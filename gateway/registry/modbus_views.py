@@ -1,4 +1,4 @@
-"""What a Modbus server shows: `view` of [[modbus]]."""
+"""Views of a Modbus server: `view` of [[modbus]]."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ModbusViewKind:
-    """What a Modbus server shows."""
+    """View of a Modbus server."""
 
     name: str
     words: str  # whose its registers are
-    registers: "Callable[[Controller | None], list[int]]"  # that it has of its own
+    registers: "Callable[[Controller | None], list[int]]"  # its own registers
     controller: str = ""  # kind of [controller] it is of; "": any, or none
     signals: bool = False  # bits are RC signals; data blocks as files, the command block
     rows: "Callable[[Cell, Modbus], Iterable[tuple[Field, ...]]] | None" = None  # of its address map

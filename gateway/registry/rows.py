@@ -1,4 +1,4 @@
-"""What the tables of the registry have in common."""
+"""Common base of the registry's tables."""
 
 from collections.abc import Mapping
 from typing import Protocol, TypeVar

@@ -1,4 +1,4 @@
-"""A piece of work in a copy of this process: what it loads and leaves in memory ends with the copy, its result comes back (AX-1740)."""
+"""A piece of work in a copy of this process: its modules and memory end with the copy, its result is returned (AX-1740)."""
 
 import contextlib
 import os
@@ -44,7 +44,7 @@ def _work(work: Callable[[], object], write: int) -> NoReturn:
 
 
 def _flush() -> None:
-    """Writes out what is printed, so that the copy does not write it again.  A process may have no standard streams, or no reader."""
+    """Write the buffered output, so that the copy does not write it again.  A process may have no standard streams, or no reader."""
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:
             with contextlib.suppress(OSError, ValueError):

@@ -27,7 +27,7 @@ class BoundedFile:
         self.write(head)
 
     def write(self, octets: bytes, lines: int = 1) -> None:
-        """Whole lines."""
+        """Complete lines."""
         try:
             if self._size + len(octets) > self._limit and self._size > len(self._head):
                 self._turn_over()

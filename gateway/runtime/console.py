@@ -20,7 +20,7 @@ class Console:
     def __init__(self, fd: int = 1) -> None:
         with contextlib.suppress(OSError, ValueError):
             if sys.stdout is not None:
-                sys.stdout.flush()  # what was printed before comes first
+                sys.stdout.flush()  # earlier output goes first
         self._fd = _own(fd)
         self._poll = select.poll()
         if self._fd >= 0:
@@ -55,7 +55,7 @@ class Console:
             self._fd = -1
 
     def _push(self, octets: bytes, *, begun: bool = False) -> None:
-        """BlockingIOError: nothing more is taken now; another OSError: the reader is gone.  begun: a part of it is out already."""
+        """BlockingIOError: nothing more is accepted now; another OSError: the reader is gone.  begun: a part of it is out already."""
         left, self._rest = octets, b""
         try:
             while left:

@@ -30,7 +30,7 @@ def can_copy() -> bool:
 
 
 def command_line(module: str, arguments: Sequence[str]) -> list[str]:
-    """How a new Python runs that module, and what `ps` shows of a copy."""
+    """Command line of that module in a new Python, also shown by `ps` for a copy."""
     return [sys.executable, "-m", module, *arguments]
 
 
@@ -64,7 +64,7 @@ def start_copy(
 
 
 def name_process(name: str, command: Sequence[str]) -> None:
-    """What `top` and `ps` show from now on; a command longer than the one this process was started with is cut."""
+    """Set the name shown by `top` and `ps`; a command longer than that of the start of this process is cut."""
     with contextlib.suppress(OSError):
         pathlib.Path("/proc/self/comm").write_text(name[:NAME_BYTES])
     with contextlib.suppress(OSError, ValueError):
@@ -82,7 +82,7 @@ def _become(
     first: Callable[[], None],
     mask: Collection[int],
 ) -> None:
-    """In the child, in place of a new program.  It never returns: what its parent was doing lives on in the frames below, unused."""
+    """In the child, instead of a new program.  It never returns: the parent's frames remain below, unused."""
     code = 1
     try:
         first()

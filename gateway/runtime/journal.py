@@ -81,14 +81,14 @@ class Journal:
 
     def _append(self, octets: bytes) -> None:
         if (self.lost or self._fresh) and _torn(self._fd):
-            octets = b"\n" + octets  # the rest of a line a full disk or a power failure has cut: it stays a line of its own
+            octets = b"\n" + octets  # the rest of a line cut by a full disk or a power failure stays a separate line
         self._fresh = False
         written = os.write(self._fd, octets)
         if written < len(octets):
             raise OSError(errno.ENOSPC, "No space left on device")
 
     def _current(self, path: pathlib.Path) -> None:
-        """The file of that name is the one written to: another process may have turned it over, or somebody has removed it."""
+        """Make the file of that name the one being written: another process may have rotated it, or it was removed."""
         try:
             here = os.stat(path)
         except FileNotFoundError:
@@ -113,7 +113,7 @@ def _torn(fd: int) -> bool:
 
 
 def turn_over(path: pathlib.Path, limit: int = LIMIT) -> None:
-    """Keep one old journal when the present one has grown beyond `limit`; of several processes that ask, one does it."""
+    """Keep one old journal when the present one has grown beyond `limit`; of several callers one does it."""
     with contextlib.suppress(OSError):
         fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
         try:
@@ -135,7 +135,7 @@ class JournalReader:
             self._open(tail)
 
     def lines(self) -> list[bytes]:
-        """Whole lines written since; at most AT_ONCE bytes of them."""
+        """Complete lines written since; at most AT_ONCE bytes of them."""
         with contextlib.suppress(OSError):
             data = self._more() or (self._follow() and self._more()) or b""
             self._at += len(data)

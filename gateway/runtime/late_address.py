@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 def listening(host: str, port: int) -> socket.socket:
-    """Bound; who asked for it makes it listen.  OSError."""
+    """A bound socket; the caller makes it listen.  OSError."""
     found = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
     try:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -34,7 +34,7 @@ async def patiently(
     beat: Callable[[], None] = lambda: None,
     ended: Callable[[], bool] = lambda: False,
 ) -> T | None:
-    """What `start` makes, as soon as its address is there; None: `ended` came first.  Any other OSError is raised."""
+    """The result of `start`, as soon as its address is available; None: `ended` came first.  Any other OSError is raised."""
     waited = False
     while not ended():
         try:

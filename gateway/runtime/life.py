@@ -10,20 +10,20 @@ import time
 from gateway.runtime.regions import ImageError, RegionWriter
 
 VARIABLE = "AXISGATE_LIFE"
-BEAT_S = 0.1  # at least so often
+BEAT_S = 0.1  # longest interval of beats
 
 
 class Life:
-    """Of this process; without a supervisor nothing happens."""
+    """Life counter of this process; without a supervisor nothing happens."""
 
     def __init__(self) -> None:
         self._region: RegionWriter | None = None
-        fd = os.environ.pop(VARIABLE, "")  # not for what this process starts
+        fd = os.environ.pop(VARIABLE, "")  # not inherited by children of this process
         if fd.isdecimal():
             try:
                 self._region = RegionWriter(int(fd))
             except (ImageError, OSError):
-                self._region = None  # a number of somebody else's file
+                self._region = None  # a descriptor number of another file
 
     def beat(self) -> None:
         """The loop has come round."""

@@ -34,7 +34,7 @@ class ProcessEnd:
             self._poll.register(self._fd, select.POLLIN)
 
     def close(self) -> None:
-        """The watch of the present process is given back."""
+        """Close the descriptor that watches the present process."""
         if self._fd >= 0:
             self._poll.unregister(self._fd)
             with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""Real-time habits of a process: scheduling class, locked memory, absolute sleeping, timer file descriptors.
+"""Real-time settings of a process: scheduling class, locked memory, absolute sleeping, timer file descriptors.
 
 Source: docs/architecture.md, "The cycle owns its process"; clock_nanosleep(2), timerfd_create(2), mlockall(2), prctl(2).
 Python 3.11 has neither clock_nanosleep nor os.timerfd, so both come from the C library by ctypes (AX-094).
@@ -58,7 +58,7 @@ def go_realtime(priority: int) -> list[str]:
 
 
 def realtime_allowed() -> bool:
-    """Whether this user may have SCHED_FIFO; tried on ourselves and given back at once."""
+    """Whether this user may use SCHED_FIFO; tried on this process and reset at once."""
     before = os.sched_getscheduler(0)
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
@@ -69,10 +69,10 @@ def realtime_allowed() -> bool:
 
 
 def go_ahead() -> None:
-    """In the ordinary class, but soon after whatever wakes this process: before what else wants the processor, and in short turns.
+    """In the ordinary class, run soon after a wake-up: before other programs that need the processor, and in short time slices.
 
-    Without it a partner's answer waits while others use up their turns, 4 ms each on kernels that look 250 times a second.  What is not
-    permitted stays as it is: short turns (sched_setattr(2), Linux 6.12) need no privilege, the nice value does.
+    Without it a partner's answer waits while others use up their slices, 4 ms each on kernels with 250 ticks a second.  Settings without
+    permission stay as they are: short slices (sched_setattr(2), Linux 6.12) need no privilege, the nice value does.
     """
     number = SCHED_SETATTR.get(os.uname().machine)
     if number is not None:  # the nice value that is set is kept
@@ -92,7 +92,7 @@ def _fifo(priority: int) -> str | None:
 
 def _lock_memory() -> str | None:
     soft, _ = resource.getrlimit(resource.RLIMIT_MEMLOCK)
-    # A finite limit would make later allocations fail, not merely stay unlocked: then only what exists is locked
+    # A finite limit would make later allocations fail, not merely stay unlocked: then only existing memory is locked
     boundless = soft == resource.RLIM_INFINITY or os.geteuid() == 0
     if _libc.mlockall(MCL_CURRENT | (MCL_FUTURE if boundless else 0)):
         return f"memory not locked ({os.strerror(ctypes.get_errno())}): allow it with 'memlock unlimited' in /etc/security/limits.conf"
@@ -151,9 +151,9 @@ def die_with_parent(parent_pid: int | None = None, number: int = signal.SIGTERM)
 
 
 def survive_terminal() -> None:
-    """A terminal or session that ends, or its Ctrl-Z, ends and suspends no process of a run; what is ignored stays so over an exec.
+    """A terminal or session that ends, or its Ctrl-Z, ends and suspends no process of a run; ignored signals stay ignored over an exec.
 
-    With SIGTTOU ignored a run in the background writes on (termios(3), TOSTOP); with SIGTTIN ignored a read there fails.
+    With SIGTTOU ignored a run in the background continues to write (termios(3), TOSTOP); with SIGTTIN ignored a read there fails.
     """
     for number in (signal.SIGHUP, signal.SIGTSTP, signal.SIGTTIN, signal.SIGTTOU):
         signal.signal(number, signal.SIG_IGN)

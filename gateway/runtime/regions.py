@@ -33,7 +33,7 @@ _barrier = threading.Lock()
 
 
 class ImageError(Exception):
-    """A region or ring that is not what the caller expects; the message names both."""
+    """A region or ring that differs from the caller's expectation; the message names both."""
 
 
 def _fence() -> None:
@@ -170,7 +170,7 @@ class _Mapped:
 
     @property
     def octets(self) -> memoryview:
-        """Header and slots: for whoever reads them in C (gateway.cycle.native)."""
+        """Header and slots, for readers in C (gateway.cycle.native)."""
         return self._octets
 
     def close(self) -> None:
@@ -372,7 +372,7 @@ def fds_from_text(text: str) -> dict[str, int]:
 
 
 def send_fds(connection: socket.socket, fds: Mapping[str, int]) -> None:
-    """Hand over named fds through a Unix stream socket (SCM_RIGHTS): length (4 bytes, little endian), JSON list of names."""
+    """Pass named fds through a Unix stream socket (SCM_RIGHTS): length (4 bytes, little endian), JSON list of names."""
     if len(fds) > MAX_FDS:
         raise ImageError(f"{len(fds)} fds; one message carries {MAX_FDS}")
     names = json.dumps(list(fds)).encode()

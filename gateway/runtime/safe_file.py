@@ -24,7 +24,7 @@ def write_whole(path: pathlib.Path, octets: bytes, mode: int = 0o644) -> None:
 
 
 def append_line(path: pathlib.Path, line: str, mode: int = 0o644) -> None:
-    """One more line of a history; a line that was cut before stays one of its own.  On return it has reached the disk."""
+    """Append a line to a history; an earlier line that was cut stays separate.  On return it has reached the disk."""
     path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
     fd = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, mode)
     with os.fdopen(fd, "r+b", buffering=0) as file:
@@ -45,7 +45,7 @@ def put_in_place(written: pathlib.Path, path: pathlib.Path) -> None:
 
 
 def flush(path: pathlib.Path) -> None:
-    """What was written to it is on the disk."""
+    """On return the written data are on the disk."""
     fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     try:
         os.fsync(fd)

@@ -15,7 +15,7 @@ class StartWatch:
 
     started_ns: int
     _looked_ns: int = 0
-    _starved_ns: int = 0  # it wanted a processor
+    _starved_ns: int = 0  # it needed a processor
 
     def due(self, now: int, pid: int | None) -> bool:
         """Its first sign of life is overdue.  pid None: it is just started again."""

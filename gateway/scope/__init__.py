@@ -1,1 +1,1 @@
-"""The scope's loops and files: attach to a run, keep what was asked for, save, reopen, export, draw."""
+"""The scope's loops and files: attach to a run, keep the selected values, save, reopen, export, draw."""

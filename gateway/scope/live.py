@@ -25,7 +25,7 @@ SILENT_S = 5.0
 
 
 class ScopeError(Exception):
-    """No such run, or one that ended meanwhile."""
+    """No such run, or one that has ended."""
 
 
 def facts_of(cell: Cell) -> list[AxisFact]:

@@ -62,7 +62,7 @@ def save(recording: Recording, path: pathlib.Path) -> None:
 
 
 def load(path: pathlib.Path) -> Recording:
-    """Raises RecordingError for what is none; a half row at the end is left out."""
+    """Raises RecordingError for a file that is not a recording; a half row at the end is left out."""
     try:
         head_line, _, body = path.read_bytes().partition(b"\n")
         head = json.loads(head_line)

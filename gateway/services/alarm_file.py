@@ -18,7 +18,7 @@ COLUMNS = ("number", "came", "acknowledged", "by", "gone", "code", "source", "te
 
 
 def path_of(plan: RunPlan) -> pathlib.Path:
-    """Beside the retained data: in the folder `retain` on a machine, in the folder of the run in a simulation."""
+    """Next to the retained data: in the folder `retain` on a machine, in the folder of the run in a simulation."""
     if plan.simulated:
         return plan.folder / "alarms.jsonl"
     from gateway.runtime.retained.writer import path_of as retained
@@ -40,7 +40,7 @@ def read(path: pathlib.Path) -> list[Record]:
 
 
 def as_csv(rows: Iterable[Record]) -> str:
-    """For a spreadsheet: a line a row, semicolons as German tables want them."""
+    """For a spreadsheet: a line per row, semicolons as in German tables."""
     out = io.StringIO()
     writer = csv.writer(out, delimiter=";", lineterminator="\r\n")
     writer.writerow(COLUMNS)
@@ -49,11 +49,11 @@ def as_csv(rows: Iterable[Record]) -> str:
 
 
 class AlarmFile:
-    """What the services write."""
+    """The alarm file of the services."""
 
     def __init__(self, plan: RunPlan) -> None:
         cell, path = plan.cell, path_of(plan)
-        with contextlib.suppress(OSError):  # the journal of the history counts what it cannot write
+        with contextlib.suppress(OSError):  # the journal of the history counts entries that it cannot write
             path.parent.mkdir(mode=0o755, parents=True, exist_ok=True)
         lines = [*(line.name for line in cell.line), *(each.name for each in cell.modbus)]
         names = [axis.name for axis in cell.axis], [io.name for io in cell.io], lines, [bus.name for bus in cell.bus]

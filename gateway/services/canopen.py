@@ -1,4 +1,4 @@
-"""All CANopen buses of a run as the services see them: their masters, and what is wrong with which axis; loaded only where there is one."""
+"""All CANopen buses of a run for the services: their masters, and the faults of each axis; loaded only if there is one."""
 
 from collections.abc import Callable
 
@@ -58,7 +58,7 @@ class CanopenServices(Part):
                 master.stop()
 
     def observe(self, state: CellState) -> None:
-        """The first cycle's nodes are adopted where it speaks to them; another cycle than before knows of none: all are started up."""
+        """The nodes of the first cycle are adopted if it uses them; a new cycle has none: all are started up."""
         if not self.masters or state.generation in (0, self._generation):
             return
         first, self._generation = self._generation is None, state.generation

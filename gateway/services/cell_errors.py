@@ -66,12 +66,12 @@ class CellErrors(Part):
         return ", ".join(axis.name for n, axis in enumerate(self._dispatcher.axes) if n in self._cycle.late_machine.axes)
 
     def _cause_ended(self, state: CellState) -> bool:
-        """What stopped the axes is away and no rest of a move waits: it is history, no error (AX-642)."""
+        """The cause that stopped the axes is gone and no rest of a move waits: it is history, not an error (AX-642)."""
         if state.motion in (Motion.STOPPED, Motion.STOPPING):
             return False
         match state.stop_cause:
             case Reason.STOPPED_BY_SOURCE | Reason.SERVICES_LOST | Reason.ABANDONED | Reason.EMERGENCY_STOP:
-                return True  # a latched emergency stop is an error of its own
+                return True  # a latched emergency stop is a separate error
             case Reason.LINK_LOST:
                 return all(source.watch.alive or not source.watch.losses for source in self._sources)
             case Reason.INPUT_LOST:
@@ -93,7 +93,7 @@ class CellErrors(Part):
         self._host.note([*errors, *((code, words) for code, words in io if code == Reason.DRIVE_NOT_STARTED)], now)
 
     def _active(self, state: CellState) -> list[Error]:
-        """Of the cell, the first one first."""
+        """Active errors of the cell, the first one first."""
         late, language = self._cycle.late_machine, self._run.cell.cell.language
         errors: list[Error] = [(Reason.NOT_READY, text(Reason.NOT_READY, detail=words)) for words in self._blind.values()]
         if state.emergency:

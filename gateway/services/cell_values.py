@@ -1,4 +1,4 @@
-"""Values of the cell by name: cell.*, axis.*, error.first.code, and move.* of the command source that asks."""
+"""Values of the cell by name: cell.*, axis.*, error.first.code, and move.* of the command source that reads them."""
 
 from collections.abc import Iterable
 
@@ -12,16 +12,14 @@ from protocols.telegrams.fields import Value
 
 
 class CellValues:
-    """One place that knows what every `from` name of the cell means; a provider of the value directory."""
+    """The only place that defines every `from` name of the cell; a provider of the value directory."""
 
     def __init__(self, cell: Cell, image: SharedImage, directory: ValueDirectory) -> None:
         self._image, self._directory = image, directory
         self._axes = {axis.name: (n, 1000.0 if axis.unit == "mm" else 57.29577951308232) for n, axis in enumerate(cell.axis)}
         self._count, self._robots = len(cell.axis), robot_axes(cell)
         self.life = 0
-        self.refusals: dict[
-            int, tuple[int, str, int]
-        ] = {}  # command source -> reason, words, stamp: what that command source was last refused
+        self.refusals: dict[int, tuple[int, str, int]] = {}  # command source -> reason, words, stamp of its last refusal
 
     def names(self) -> Iterable[str]:
         """Every name that can be read."""
@@ -79,7 +77,7 @@ class CellValues:
         raise KeyError(f"cell.{key}")
 
     def _seen_by(self, reader: Reader | None) -> list[tuple[int, str]]:
-        """Standing errors, and what this very command source was refused last; another command source's mistakes are not its business."""
+        """Active errors, and the last refusal of this very command source; it does not see those of others."""
         own = self.refusals.get(reader.number) if reader is not None else None
         return self._directory.errors + ([own[:2]] if own is not None else [])
 

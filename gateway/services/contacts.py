@@ -1,7 +1,7 @@
-"""Contacts as the services see them: what only they know goes out, what inputs say goes to signals and routes (AX-400, AX-402).
+"""Contacts in the services: outputs of data that only the services have, inputs to signals and routes (AX-400, AX-402).
 
 An input drives its signal while it is good; a bad one reads `on_loss`, or 0.  Outputs may be forced by `axisgate io test` while no drive is
-on, for as long as it asks, and never the watchdog.
+on, for as long as it repeats its request, and never the watchdog.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -29,12 +29,12 @@ class DigitalContacts(Part):
     def __init__(
         self, run: RunContext, image: SharedImage, values: ValueDirectory, coupler_fault: Callable[[str, int], str], fds: Mapping[str, int]
     ) -> None:
-        """`coupler_fault`: what is wrong with a node of a bus, in words; empty: nothing."""
+        """`coupler_fault`: fault of a node of a bus, in words; empty: none."""
         cell = run.cell
         self._run, self._image, self._values, self._coupler_fault, self.contacts = run, image, values, coupler_fault, cell.io
         self.by_name = {io.name: n for n, io in enumerate(cell.io)}
         self.said = [Said()] * len(cell.io)  # inputs as received; outputs as confirmed by their device
-        self.shown = [Said()] * len(cell.io)  # what we say of outputs
+        self.shown = [Said()] * len(cell.io)  # our values of outputs
         self._routed: dict[int, bool] = {}
         self._forced: dict[int, tuple[bool, Ns]] = {}
         self._ours = {o.number for kind in (COUPLER, MODBUS, CHIP) for o in outputs_of(cell, kind, 1) if o.source is Known.SERVICES}
@@ -50,7 +50,7 @@ class DigitalContacts(Part):
         self._payloads: dict[str, tuple[bytes, list[Said]]] = {}
         self.modbus = None
         if any(io.device.type == MODBUS for io in cell.io):
-            from gateway.services.contacts_modbus import ModbusContacts  # only where a cell asks for it
+            from gateway.services.contacts_modbus import ModbusContacts  # only if a cell needs it
 
             self.modbus = ModbusContacts(run, image, self._heard_of)
 
@@ -156,7 +156,7 @@ class DigitalContacts(Part):
         return Said(bool(self._values.number(signal)), Quality.GOOD)
 
     def values(self) -> dict[str, list[int]]:
-        """Name -> value, quality, whether forced; of an output what its device confirms."""
+        """Name -> value, quality, whether forced; for an output the confirmed value of its device."""
         return {io.name: [int(self.said[n].value), int(self.said[n].quality), int(n in self._forced)] for n, io in enumerate(self.contacts)}
 
     # ---- tools -------------------------------------------------------------------------------------------------------
@@ -193,7 +193,7 @@ class DigitalContacts(Part):
         return [f"{why} (contacts: {', '.join(names)})" for why, names in found.items()]
 
     def force(self, name: str, value: bool | None, seconds: float) -> str:
-        """None: given free.  Empty, or why not."""
+        """None: released.  Returns "" or the reason of a refusal."""
         n = self.by_name.get(name)
         if n is None:
             return f"{name}: no such contact; there is {', '.join(self.by_name) or 'none'}"

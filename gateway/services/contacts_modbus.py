@@ -12,7 +12,7 @@ from gateway.services.shared_image import SharedImage
 from protocols.base.machine import Ns, ms
 from protocols.modbus.orders import Done, Failed, Refused
 
-AGAIN: Ns = ms(500)  # outputs are written again so often though nothing has changed, and after a failure
+AGAIN: Ns = ms(500)  # interval for repeating unchanged outputs, and pause after a failure
 RETRIES, TIMEOUT, PROBE = 1, ms(300), ms(1000)
 
 

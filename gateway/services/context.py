@@ -1,4 +1,4 @@
-"""What a part of the services may know of its run: the cell, the plan, the journal, the recorder, the clock.  Nothing in it changes."""
+"""Facts about the run for a part of the services: the cell, the plan, the journal, the recorder, the clock.  Nothing in it changes."""
 
 import time
 from collections.abc import Callable
@@ -13,7 +13,7 @@ from protocols.base.machine import Ns
 
 @dataclass(frozen=True, slots=True)
 class RunContext:
-    """Of one run; made by the process, handed to every part."""
+    """Context of one run; created by the process, passed to every part."""
 
     cell: Cell
     plan: RunPlan

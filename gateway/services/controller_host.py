@@ -70,19 +70,19 @@ class CellPrograms(Protocol):
         """Before a step of the control."""
 
     def after(self) -> list[str]:
-        """After it: what a person should read."""
+        """After it: report to the operator."""
 
     def pass_on(self) -> None:
         """Pass orders to the interpreter, after those to the planner."""
 
     def ending(self) -> list[int]:
-        """Jobs of an interpreter that is gone."""
+        """Jobs of an interpreter that has died."""
 
     def faults(self) -> list[str]:
-        """Standing errors of programs."""
+        """Active errors of programs."""
 
     def answer(self, request: dict[str, object], source: int) -> dict[str, object]:
-        """A tool asks: list, start, stop, state."""
+        """Answer a tool: list, start, stop, state."""
 
 
 class PlcProcess(Protocol):
@@ -92,7 +92,7 @@ class PlcProcess(Protocol):
         """Before a step of the control."""
 
     def after(self, *, drives: bool) -> list[str]:
-        """After it: what a person should read."""
+        """After it: report to the operator."""
 
     def order(self, request: dict[str, object]) -> dict[str, object]:
         """Status, start, stop, acknowledge."""
@@ -154,7 +154,7 @@ class ControllerHost(Part):
 
     @property
     def control(self) -> Control | None:
-        """Of [controller]."""
+        """The control of [controller]."""
         return self._image.control
 
     def step(self, now: Ns) -> None:
@@ -212,7 +212,7 @@ class ControllerHost(Part):
 
     def came(self, code: int, where: str, now: Ns) -> None:
         """An error with a number of the rho 3, or of the Reis list (645, 650); 0 has none and is listed with axisgate's own."""
-        if code:  # without a control nobody acknowledges
+        if code:  # without a control nothing acknowledges it
             reset = Reset.ITSELF if self.control is None else RESETS[kind_of(code)]
             self.errors.report(code, where, now, source=_source(code), reset=reset)
 

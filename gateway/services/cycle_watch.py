@@ -48,7 +48,7 @@ class CycleWatch(Part):
         self._places = LastPlaces(run.cell)
 
     def lives(self, now: Ns) -> bool:
-        """What the cycle published is not old."""
+        """The cycle's published state is recent."""
         return now - self.axes.life[1] < self._gone_ns
 
     def step(self, now: Ns) -> None:

@@ -1,4 +1,4 @@
-"""Parameters of CANopen drives that routes write: by SDO, in a thread of their own, the newest value of each; again after each start-up."""
+"""Parameters of CANopen drives written by routes: by SDO, in a separate thread, the newest value of each; again after each start-up."""
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -8,7 +8,7 @@ from typing import Protocol
 
 from drivers.drives.canopen_steps import Refused
 
-LOOK_S = 0.05  # a drive that is not ready gets its parameters so long after it is
+LOOK_S = 0.05  # interval of looks at a drive that is not ready
 Key = tuple[int, int]  # object, sub-index
 WriteJournal = Callable[..., None]  # Journal.write
 
@@ -50,7 +50,7 @@ class Master(Protocol):
         """`adopted`: nodes that run already."""
 
     def again(self, number: int | None = None) -> None:
-        """All nodes are started up anew."""
+        """All nodes are started up again."""
 
     def stop(self) -> None:
         """Nodes stay as they are."""
@@ -70,12 +70,12 @@ class Parameters:
     def __init__(self, place: Place, write: WriteJournal) -> None:
         self._place, self._write = place, write
         self._wanted: dict[tuple[str, Key], bytes] = {}
-        self._given: dict[tuple[str, Key], tuple[bytes, object]] = {}  # what, and after which start-up
+        self._given: dict[tuple[str, Key], tuple[bytes, object]] = {}  # value, and number of the start-up after which it was sent
         self._news, self._stop = threading.Event(), threading.Event()
         self._thread: threading.Thread | None = None
 
     def put(self, axis: str, key: Key, data: bytes) -> None:
-        """At once back: the thread speaks with the drive."""
+        """Returns at once: the thread sends it to the drive."""
         self._wanted[axis, key] = data
         self._news.set()
         if self._thread is None:

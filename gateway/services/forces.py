@@ -1,6 +1,6 @@
 """Forced RC inputs and data words: an overlay with its own mark over what the command sources write (design: section 5; AX-472, AX-498).
 
-A force lives in the services: it ends with them and nothing forced survives a restart.  The five enabling inputs are forced in a
+A force exists in the services only: it ends with them, and nothing forced survives a restart.  The five enabling inputs are forced in a
 simulation only.
 """
 

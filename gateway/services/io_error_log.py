@@ -24,7 +24,7 @@ class IoComplaints:
         self._known: dict[str, Complaint] = {}
 
     def look(self, host: ControllerHost, now: Ns) -> list[Error]:
-        """Pending errors, number and sentence; what came and went since the last look goes to list and journal."""
+        """Pending errors, number and sentence; changes since the last look go to list and journal."""
         if self._region is None:
             return []
         payload = self._region.read()

@@ -153,7 +153,7 @@ class Services:
         return LINE_LAYERS[line.layer].source()(context, line)
 
     def _clients(self) -> Part:
-        """Of a cell that has some; loaded only then."""
+        """Clients of a cell that has some; loaded only then."""
         if not any(modbus.role == "client" for modbus in self.run_context.cell.modbus):
             return Part()
         from gateway.services.modbus_clients import ModbusClients
@@ -161,7 +161,7 @@ class Services:
         return ModbusClients(self.run_context, self.values)
 
     def _retained(self, fds: dict[str, int]) -> Part:
-        """Of a run that keeps something; loaded only then."""
+        """Retained data of a run that keeps some; loaded only then."""
         path = file_of(self.run_context.plan)
         if path is None:
             return Part()
@@ -199,7 +199,7 @@ class Services:
             self.tick()
 
     def tick(self) -> None:
-        """What time brings: every part in its turn, then the life counter."""
+        """Periodic work: every part in order, then the life counter."""
         now = time.monotonic_ns()
         self._ticks += 1
         for part in self.stepped:
@@ -218,7 +218,7 @@ class Services:
     def _last_heard(self) -> Ns:
         return max((source.watch.last_ns for source in self.sources if source.kind != "pic"), default=0)
 
-    # ---- what tools see ----------------------------------------------------------------------------------------------
+    # ---- status for tools
     def status(self) -> dict[str, object]:
         """Links and errors for tools; kept under the size of the region."""
         modbus = self.contacts.modbus

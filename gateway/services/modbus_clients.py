@@ -86,7 +86,7 @@ def secured(settings: Modbus, url: str, folder: pathlib.Path) -> Callable[[], By
 
     def opened() -> BytePort:
         from drivers.ports.net.tls import TlsPort
-        from gateway.links.modbus.tls import client_context  # cryptography only where a cell asks for it
+        from gateway.links.modbus.tls import client_context  # cryptography only if a cell needs it
 
         return TlsPort(*tcp_address(url), client_context(tls, folder))
 
@@ -99,7 +99,7 @@ class Written:
 
     value: ModbusValue
     order: str
-    shown: float | None = None  # what the device has taken last
+    shown: float | None = None  # value the device has accepted last
     next: Ns = 0
     waiting: bool = False
 
@@ -138,7 +138,7 @@ class ClientLink:
                 self._write(written, value, now)
 
     def _given(self, name: str) -> float | None:
-        """What is to be written; None: it is not valid.  What a route shows while it is lost is its own business."""
+        """The value to write; None: it is not valid.  The route decides the value during a loss."""
         if name in self._registers:
             return self._registers[name]
         sample = self._directory.named.sample(name)
@@ -239,7 +239,7 @@ class ModbusClients(Part):
             link.step(now)
 
     async def close(self) -> None:
-        """Gives the ports back."""
+        """Release the ports."""
         for link in self.links:
             link.client.close()
 

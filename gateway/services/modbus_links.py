@@ -1,6 +1,6 @@
-"""What is reported of the Modbus devices a cell asks (clients and couplers): in the journal once a change, on the page as it is now.
+"""Reports about the Modbus devices polled by a cell (clients and couplers): in the journal once per change, on the page the present state.
 
-A device that was never reached and a read that a device refuses leave a value old without a line being down: they are reported as well.
+A device that was never reached and a read that a device refuses leave a value old although the line works: they are reported as well.
 """
 
 from gateway.links.modbus.client import Group, Link, ModbusClient
@@ -15,13 +15,13 @@ SHOWN = 8  # refused requests of one link
 
 
 class LinkReports:
-    """Of one link; its client reports through it."""
+    """Reports of one link; its client reports through it."""
 
     def __init__(self, journal: Journal, title: str, link: Link) -> None:
         self._journal, self._title, self._link = journal, title, link
         self._away = ""  # reported reason of the missing connection; "": connected, or nothing was reported
         self._started: Ns | None = None
-        self._writes: dict[str, str] = {}  # refused writes, by what was to be written
+        self._writes: dict[str, str] = {}  # refused writes, by the value to write
 
     def device(self, name: str, alive: bool) -> None:
         self._write(f"device {name} {'answers' if alive else 'does not answer'}")

@@ -47,7 +47,7 @@ class PageInterfaces(Part):
     def step(self, now: Ns) -> None:
         """A silent one is a dead one."""
         self._tool.wake(now)
-        kept = self._page.permits  # what the page shows as set stays set until somebody clears it, also while it asks for nothing
+        kept = self._page.permits  # enabling inputs shown as set stay set until they are cleared, also while the page is silent
         self._page.wake(now)
         self._page.permits = kept
 

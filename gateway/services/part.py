@@ -1,10 +1,10 @@
-"""A part of the services process: the process starts its parts, steps them in order with its tick, asks for their status, closes them."""
+"""A part of the services process, which starts its parts, steps them in order with its tick, reads their status, closes them."""
 
 from protocols.base.machine import Ns
 
 
 class Part:
-    """A part leaves out what it does not need."""
+    """A part omits the methods it does not need."""
 
     async def start(self) -> None:
         """Inside the running loop."""

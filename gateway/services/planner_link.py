@@ -1,4 +1,4 @@
-"""What the services have of the planner process: its blocks ring to write, its region to read."""
+"""The planner process for the services: its blocks ring to write, its region to read."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from gateway.runtime.record_reader import RecordReader
 from gateway.runtime.regions import RegionReader, RingWriter
 from protocols.base.machine import ms
 
-SILENT_NS = ms(2_000)  # an idle planner beats every 5 ms; it is asked only while the axes rest
+SILENT_NS = ms(2_000)  # an idle planner beats every 5 ms; it is checked only while the axes rest
 
 
 class PlannerLink:
@@ -47,7 +47,7 @@ class PlannerLink:
             self._blocks.put(pack_block(record))
 
     def end(self, jobs: Sequence[int]) -> None:
-        """Nothing follows for these any more: their interpreter is gone."""
+        """No blocks follow for these: their interpreter is gone."""
         for job in jobs:
             assert self._blocks is not None
             self._blocks.put(pack_block(BlockRecord(Say.END, job)))

@@ -123,7 +123,7 @@ def _number(place: DataWord, data: bytes) -> int:
 
 
 def word_bytes(place: DataWord | DataBit, word: int, number: int) -> bytes | None:
-    """The bytes from the place's word on, `word` being what is there; None when the number does not fit."""
+    """The bytes from the place's word on, with `word` as present value; None if the number does not fit."""
     if isinstance(place, DataBit):
         new = word | 1 << place.bit if number else word & ~(1 << place.bit)
         return new.to_bytes(2, "big") if number in (0, 1) else None

@@ -24,7 +24,7 @@ from protocols.base.machine import ms
 
 SPARE_MS = 100  # of a PLC process beyond the longest scan its watchdog allows
 TAKEN = 64
-LOOKS_NS = ms(3_000)  # a test display that is not looked at for so long is switched off
+LOOKS_NS = ms(3_000)  # a test display that is not read for so long is switched off
 MOST_ROWS = 500  # of it in an answer
 
 
@@ -67,7 +67,7 @@ class PlcHost:
             self.plc.hear(unpack_facts(data))
 
     def after(self, *, drives: bool) -> list[str]:
-        """Behind it: the robot's markers, orders; what a person should read."""
+        """After it: the robot's markers, orders; report to the operator."""
         robot = pack_robot(RobotSide(drives, self._control.markers.own()))
         if robot != self._seen.robot:
             self._seen.robot = robot
@@ -116,7 +116,7 @@ class PlcHost:
         now = time.monotonic_ns()
         if self._seen.watched and name != self._seen.watched and now - self._seen.looked_ns < LOOKS_NS:
             return {"on": False, "why": f"the test display shows {self._seen.watched}", "rows": []}
-        again = now - self._seen.looked_ns > LOOKS_NS // 3  # the PLC has switched it off, or was started anew
+        again = now - self._seen.looked_ns > LOOKS_NS // 3  # the PLC has switched it off, or was restarted
         payload = self._shown.read()
         shown = None if payload is None else unpack_shown(payload)
         on = shown is not None and shown.name.rstrip(b"\0").decode(errors="replace") == name and self.plc.on

@@ -23,9 +23,9 @@ TAKEN = 256
 
 
 class Hosted(Protocol):
-    """Programs of the interpreter as their control knows them.
+    """Programs of the interpreter for their control.
 
-    Orders to the interpreter, sentences for a person, and jobs of an interpreter that is gone; all three are taken once a cycle.
+    Orders to the interpreter, sentences for the operator, and jobs of an interpreter that is gone; all three are read once per cycle.
     """
 
     orders: list[dict[str, Fact]]
@@ -33,7 +33,7 @@ class Hosted(Protocol):
     ending: list[int]
 
     def report(self, report: Mapping[str, object], *, alive: bool) -> None:
-        """What the interpreter publishes: identity, programs, processes."""
+        """The interpreter's publication: identity, programs, processes."""
 
     def hear(self, said: Mapping[str, Fact], now: Ns) -> None:
         """One record of its ring."""
@@ -43,7 +43,7 @@ class Hosted(Protocol):
 
 
 class ProgramsOfControl(Protocol):
-    """What the row of a language makes in the services."""
+    """Interface of a language's part in the services."""
 
     @property
     def hosted(self) -> Hosted:
@@ -53,11 +53,12 @@ class ProgramsOfControl(Protocol):
         """The interface as programs see it."""
 
     def faults(self) -> list[str]:
-        """Standing errors of programs, in words."""
+        """Active errors of programs, in words."""
 
     def answer(self, request: Mapping[str, object], source: int) -> dict[str, object]:
-        """A tool asks: `do` = list, start and stop (`name`), state (`run`).  `source`: command source a program that is started moves as,
-        0: the PLC's."""
+        """Answer a tool: `do` = list, start and stop (`name`), state (`run`).  `source`: the command source as which a started program
+        moves, 0: the PLC's.
+        """
 
 
 class ProgramHost:
@@ -86,7 +87,7 @@ class ProgramHost:
         hosted.step(now)
 
     def after(self) -> list[str]:
-        """Behind it: the channels as programs see them; what a person should read."""
+        """After it: the channels as programs see them; report to the operator."""
         hosted = self._programs.hosted
         seen = pack_channels(self._programs.seen())
         if seen != self._seen:
@@ -110,9 +111,9 @@ class ProgramHost:
         return jobs
 
     def faults(self) -> list[str]:
-        """Standing errors of programs."""
+        """Active errors of programs."""
         return self._programs.faults()
 
     def answer(self, request: dict[str, object], source: int) -> dict[str, object]:
-        """A tool asks."""
+        """Answer a tool."""
         return self._programs.answer(request, source)

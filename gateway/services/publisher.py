@@ -1,4 +1,4 @@
-"""What the services hand on: orders into their rings, events into the journal, RC inputs into their region."""
+"""Outputs of the services: orders into their rings, events into the journal, RC inputs into their region."""
 
 import time
 
@@ -44,7 +44,7 @@ class Publisher(Part):
         self.publish()
 
     def publish(self) -> None:
-        """Routes and the control first: what they write goes along."""
+        """Routes and the control first: their writes are included."""
         now = time.monotonic_ns()
         self._bridge.step(now)
         self._host.inputs_came(now)

@@ -1,4 +1,4 @@
-"""The services' end of a recording: what command sources and tools say goes into a ring, while a recorder lives."""
+"""The services' end of a recording: inputs of command sources and tools go into a ring, while a recorder runs."""
 
 from collections.abc import Mapping
 

@@ -18,7 +18,7 @@ Folders = dict[str, list[tuple[str, str]]]
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What has become of an order; words: what went wrong, or what was done."""
+    """Result of an order; words: the fault, or what was done."""
 
     do: str
     words: str = ""

@@ -1,4 +1,4 @@
-"""The pendant of a Reis in the services: keys in, 20 lines out; what it wants done goes the way of every other command source (AX-1660)."""
+"""The pendant of a Reis in the services: keys in, 20 lines out; its orders take the path of every other command source (AX-1660)."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -51,7 +51,7 @@ class ReisPanel:
 
     # ---- one cycle ---------------------------------------------------------------------------------------------------------
     def look(self, now: Ns) -> None:
-        """Before a step of the control: keys that are not held any more, a START that was refused, answers of the memory."""
+        """Before a step of the control: released keys, a refused START, answers of the memory."""
         for key in [key for key, end in self._held.items() if now >= end and key not in self._unseen]:
             self._release(key)
         self._unseen.clear()
@@ -92,7 +92,7 @@ class ReisPanel:
 
     def _press(self, key: str, now: Ns, *, held: bool, first: bool) -> None:
         if held and not first and key not in self._held:
-            return  # it was released meanwhile: a held key begins once (AX-641)
+            return  # it was released in between: a held key begins once (AX-641)
         if held and key in MOVEMENT:
             self._move(key, now)
         elif held and key in self._held:
@@ -120,7 +120,7 @@ class ReisPanel:
         self._held[key] = now + HELD_NS
 
     def _obeyed(self, now: Ns) -> bool:
-        """Carries out what the pendant wants; False: something was refused."""
+        """Carry out the pendant's orders; False: one was refused."""
         orders, self.phg.orders = self.phg.orders, []
         refused = [wrong for order in orders if (wrong := self._obey(order, now))]
         for wrong in refused:
@@ -232,7 +232,7 @@ class ReisPanel:
 
 
 def reis_panel(cell: Cell, control: Control, dispatcher: CommandDispatcher) -> ReisPanel:
-    """Of a checked cell."""
+    """The panel of a checked cell."""
     assert isinstance(control, ReisControl) and cell.controller is not None  # as the row of the registry has it
     turns = tuple(axis.mechanics.ratio / axis.mechanics.feed_per_turn for axis in cell.axis)
     return ReisPanel(control, dispatcher, codes_of(cell.controller), cell.cell.language, turns, memory_folder(cell))

@@ -1,7 +1,7 @@
-"""Retained data of a run inside the services: what a start brings back, and what is kept while it runs (AX-423, AX-425).
+"""Retained data of a run inside the services: restored at a start, and kept while it runs (AX-423, AX-425).
 
-Brought back: flags, markers and counters of the control, offsets of belts, named values (marked stale: their source has not spoken yet).
-Not brought back, even if listed in [retain]: signals of telegrams and values whose edge sends one, RC inputs, commands, control.
+Restored: flags, markers and counters of the control, offsets of belts, named values (marked stale: their source has not sent yet).
+Not restored, even if listed in [retain]: signals of telegrams and values whose edge sends one, RC inputs, commands, control.
 """
 
 import math
@@ -65,7 +65,7 @@ class RetainedData(Part):
         self._offsets = RegionReader(fds["belts"], "belts", OFFSETS_LAYOUT) if "belts" in fds else None
         self._errors: dict[tuple[int, str, str], ErrorRecord] = {}
         self._synchronised: dict[int, Reference] = {}
-        self._written = False  # this run has written what its axes are synchronised with
+        self._written = False  # this run has written the data its axes are synchronised with
         self._ticks = 0
         retain, journal = run.cell.retain, run.journal
         self.kept = Retained(path, retain.values if retain else (), lambda sentence: journal.write("retain", sentence))

@@ -1,4 +1,4 @@
-"""BAPS2 programs of the interpreter in the process table of a rho 3, and what tools ask of them."""
+"""BAPS2 programs of the interpreter in the process table of a rho 3, and requests of tools about them."""
 
 from collections.abc import Mapping
 

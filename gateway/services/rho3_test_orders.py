@@ -33,7 +33,7 @@ def start_program(rho: RhoControl, hosted: HostedPrograms, name: str, source: in
 
 
 class TestOrders:
-    """What may be tested, taught and set now."""
+    """Orders for testing, teaching and setting that are permitted now."""
 
     __test__ = False
 

@@ -73,7 +73,7 @@ class Bridge(Part):
         contacts = self._contacts
         if self._stepping or not (self.table.routes or contacts.contacts):
             return
-        self._stepping = True  # what a telegram sets off may come back here
+        self._stepping = True  # a telegram may call back here
         try:
             contacts.listen(now)
             self._pass_on(now)
@@ -125,7 +125,7 @@ class Bridge(Part):
         value = "never written" if route.value is None else route.value
         return {"value": value, "valid": route.valid, "life": route.life, "misfits": route.misfits}
 
-    # ---- where values come from --------------------------------------------------------------------------------------
+    # ---- sources of values
     def _reader(self, place: Place) -> Read:
         match place.world:
             case World.BLOCK:

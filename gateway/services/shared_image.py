@@ -1,7 +1,7 @@
-"""The image all parts of the services share: RC inputs with their owners, RC outputs, forces, the state of the cell.
+"""Shared image of all parts of the services: RC inputs with their owners, RC outputs, forces, the state of the cell.
 
-Every part that writes RC inputs does so through this class, which sets one mark, `changed`; `pass_on` lets what was written go on at once
-instead of with the next tick.
+Every part writes RC inputs through this class, which sets one mark, `changed`; `pass_on` passes written values on at once instead of with
+the next tick.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -48,13 +48,13 @@ class SharedImage:
         self.state = CellState()  # as the cycle published it last
         self.coupled: Coupled | None = None  # bit coupling of a control that has one
         self.statements: list[BlockRecord] = []  # of streams, for the planner after its orders
-        self.changed = False  # an RC input was written since the cycle was given them last
+        self.changed = False  # an RC input was written since they were last passed to the cycle
         self.goes_on: Callable[[], None] = _nothing  # set by the process
         self.cycle_lives: Callable[[], bool] = _yes  # the cycle's published state is recent enough; set by the process
 
     @property
     def control(self) -> Control | None:
-        """Of [controller]; None: this cell has none."""
+        """The control of [controller]; None: this cell has none."""
         return self.outputs.control
 
     @control.setter
@@ -79,7 +79,7 @@ class SharedImage:
         return all(self.owners.get(octet) == number for octet in octets)
 
     def write(self, first: int, data: bytes, now: Ns) -> None:
-        """Whole bytes from `first` on; they are good."""
+        """Write complete bytes from `first` on; they become good."""
         self.inputs.values[first : first + len(data)] = data
         self.judge(range(first, first + len(data)), Quality.GOOD, now)
 

@@ -1,9 +1,9 @@
 """The command source for commissioning tools: commands and SDO through the services' socket, under the same rules as every other command
 source.
 
-Control belongs to the connection that asked for it and ends with it: another one gets "not owner" (AX-611).  Commands, SDO and "alive"
-of that connection are its life; reading is not.  Silent for a second it counts as dead: the axes stop on the path.  A tool never has more
-rights than a PLC; only where everything is simulated it may set the enabling inputs, because no PLC is there to do it (AX-312).
+Control belongs to the connection that requested it and ends with it: another one gets "not owner" (AX-611).  Commands, SDO and "alive"
+of that connection are its life; reading is not.  After a second of silence it counts as dead: the axes stop on the path.  A tool never has
+more rights than a PLC; only in a full simulation it may set the enabling inputs, because no PLC is there to do it (AX-312).
 """
 
 import threading
@@ -53,11 +53,11 @@ class ToolInterface:
         self._streams = ToolStreams(dispatcher, image.statements)
         self._holder: object | None = None  # connection in control
         self._permitting: tuple[object, Ns] | None = None  # connection that set the enabling inputs, last heard
-        self._leaving = False  # the one in control is gone: control ends as soon as the axes rest
+        self._leaving = False  # the connection in control is lost: control ends as soon as the axes rest
         dispatcher.control.link(source, alive=False)
 
     def wake(self, now: Ns) -> None:
-        """A silent tool is a dead one; what it had ends at rest."""
+        """A silent tool is dead; its control ends at rest."""
         if self.alive and now - self._heard > SILENCE:
             self._lost()
         if self._permitting is not None and now - self._permitting[1] > SILENCE:
@@ -68,7 +68,7 @@ class ToolInterface:
                 self._dispatcher.control.release(self._source, at_rest=True)
 
     def heard(self) -> None:
-        """The connection in control is there."""
+        """The connection in control is alive."""
         self._heard = self._run.clock()
         if not self.alive:
             self.alive = True
@@ -83,7 +83,7 @@ class ToolInterface:
         return self.alive and self._holder is not None and self._holder is not connection
 
     def closed(self, connection: object) -> None:
-        """A connection has ended, and what it had with it."""
+        """A connection has ended, and its control with it."""
         if self._permitting is not None and self._permitting[0] is connection:
             self._permitting, self.permits = None, False
         self.leave(connection)
@@ -182,14 +182,14 @@ class ToolInterface:
         return job
 
     def _demand(self, code: Code, connection: object) -> None:
-        """Refusal: another connection has control, or this one has not asked for it.  Everybody may stop."""
+        """Refusal: another connection has control, or this one has not requested it.  A stop is always permitted."""
         if code is Code.STOP or self._holder is connection:
             return
         if self.held_by_another(connection):
             raise Refusal(Reason.NOT_OWNER, f"another {self._name} has it")
         if code is not Code.REQUEST_CONTROL:
             raise Refusal(Reason.NOT_OWNER, "request it first")
-        if self._dispatcher.owns(self._source):  # left by a connection that is gone or silent
+        if self._dispatcher.owns(self._source):  # left over from a lost or silent connection
             self._dispatcher.control.release(self._source, at_rest=self._at_rest)
 
     def _job(self, number: int) -> dict[str, object]:
@@ -197,7 +197,7 @@ class ToolInterface:
         return {"error": f"no job {number}"} if job is None else {"job": job.id, **_job_row(job)}
 
     def _axes(self) -> dict[str, object]:
-        """What the cycle published last, in the axes' own units."""
+        """The cycle's last publication, in the axes' own units."""
         state, dispatcher = self._image.state, self._dispatcher
         rows: list[dict[str, object]] = []
         for n, (fact, axis) in enumerate(zip(dispatcher.axes, state.axes, strict=False)):

@@ -1,6 +1,6 @@
-"""`axisgate var` and other tools ask here: one JSON line each way on runtime_dir()/SLUG-services.sock.
+"""Server for `axisgate var` and other tools: one JSON line each way on runtime_dir()/SLUG-services.sock.
 
-get NAME|ADDRESS, set ADDRESS VALUE (only where everything is simulated), names, status.
+get NAME|ADDRESS, set ADDRESS VALUE (only in a full simulation), names, status.
 """
 
 import asyncio
@@ -124,13 +124,13 @@ class Variables(Part):
             return json.dumps(self.answer(line, connection)).encode()
         except Exception as fault:
             words = f"{type(fault).__name__}: {fault}"
-            if words != self._failed:  # a tool asks again and again
+            if words != self._failed:  # a tool repeats its request
                 self._failed = words
                 self._run.journal.write("alarm", f"a tool's request failed: {words}")
             return json.dumps({"error": f"the request failed: {words}"}).encode()
 
     def answer(self, line: bytes, connection: object = "") -> dict[str, object]:
-        """One request; what is wrong with it comes back in words.  `connection`: what a tool's control belongs to."""
+        """Answer one request; a fault of it is returned in words.  `connection`: owner of a tool's control."""
         try:
             request = json.loads(line)
             if request.get("op") not in ASKING and request.get("do") not in LOOKING and not _looks(request):
@@ -288,7 +288,7 @@ class Variables(Part):
         return {"address": text, "place": str(place), "value": int(bool(holders)), "source": ", ".join(line.name for line in holders)}
 
     def _reset_flag(self, text: str, place: FlagBit, value: str) -> dict[str, object]:
-        """A program that has used what came; a partner alone sets one."""
+        """A program has used the data; only a partner sets the flag."""
         if value != "0":
             return {"error": f"{text} = {value}: a coordination flag is set by the partner's job; it is reset with 0"}
         for line in self._values.lines:
@@ -335,7 +335,7 @@ class Variables(Part):
 
 
 async def _request(reader: asyncio.StreamReader) -> bytes:
-    """One line; of a longer one than LONGEST what says so; b"": the tool is gone."""
+    """One line; for one longer than LONGEST a fault; b"": the tool is gone."""
     long = False
     while True:
         try:
@@ -361,7 +361,7 @@ def _looks(request: dict[str, object]) -> bool:
 
 
 def _typed(text: str) -> bool | int | float | str:
-    """A number where it reads like one, else the text."""
+    """A number if the text reads like one, else the text."""
     if text in ("true", "false"):
         return text == "true"
     for kind in (int, float):

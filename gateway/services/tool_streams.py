@@ -84,7 +84,7 @@ class ToolStreams:
             case "go" | "retrace":
                 self._dispatcher.go_on_with(job, back=what == "retrace")
             case "flush" | "end_here":
-                self._dispatcher.hold_move(job)  # the axes brake at once, the planner drops what waits
+                self._dispatcher.hold_move(job)  # the axes brake at once, the planner drops the waiting pieces
                 job.reason, job.detail = Reason.NONE, ""
                 self._add(stream, BlockRecord(Say.FLUSH, job.id), *([BlockRecord(Say.END, job.id)] if what == "end_here" else []))
             case "cut":
@@ -156,6 +156,6 @@ class ToolStreams:
 
 
 def _over(job: Job) -> str:
-    """Why nothing is taken for it any more."""
+    """Why it accepts nothing any more."""
     why = job.detail or (text(job.reason) if job.reason is not Reason.NONE else "")
     return f"the stream is over: {job.state.name.lower()}" + (f": {why}" if why else "")

@@ -16,7 +16,7 @@ class Val3Programs:
         self._control, self.hosted = control, hosted
 
     def seen(self) -> Channels:
-        """The image as the application sees it: with what the operator simulates."""
+        """The application's image, including the operator's simulated values."""
         image, system = self._control.image, self._control.system
         inputs, outputs = bytearray(image.inputs), bytearray(image.outputs)
         for name, point in self._control.points.items():
@@ -30,7 +30,7 @@ class Val3Programs:
         return replace(Channels(), inputs=bytes(inputs), outputs=bytes(outputs))
 
     def faults(self) -> list[str]:
-        """Standing errors: tasks that have stopped with one."""
+        """Active errors: tasks that have stopped with one."""
         return self.hosted.faults
 
     def answer(self, request: Mapping[str, object], source: int) -> dict[str, object]:

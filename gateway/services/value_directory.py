@@ -1,7 +1,8 @@
-"""Every value of the services by its name: parts register what they have, routes, telegrams, tools, page and programs read and write it.
+"""Every value of the services by its name: parts register their values; routes, telegrams, tools, page and programs read and write them.
 
-Names: axis.*, cell.* (cell_values), order.* and whatever telegrams and Modbus clients write (named values), rho3.* and others of the
-control, phg.*, io.* (contacts), signals and addresses of the plant (DB10.DW2, E 8.4, MW 10), registers of Modbus devices at ends of routes.
+Names: axis.*, cell.* (cell_values), order.* and other values written by telegrams and Modbus clients (named values), rho3.* and others of
+the control, phg.*, io.* (contacts), signals and addresses of the plant (DB10.DW2, E 8.4, MW 10), registers of Modbus devices at ends of
+routes.
 """
 
 from collections.abc import Callable, Iterable
@@ -18,7 +19,7 @@ from protocols.telegrams.fields import Value
 
 
 class Reader(Protocol):
-    """A command source that asks: some values differ from one to the next."""
+    """The command source that reads: some values differ between them."""
 
     number: int
 
@@ -59,7 +60,7 @@ class Line(Protocol):
         """The complete block as a partner would fetch it now; None: this line does not serve it."""
 
     def write_as_plc(self, db: int, word: int, data: bytes) -> str:
-        """As if the PLC had sent it; empty when done, else why not."""
+        """As if the PLC had sent it; returns "" or the reason of a refusal."""
 
     def flag_bytes(self) -> bytes:
         """Area M."""
@@ -69,7 +70,7 @@ class Line(Protocol):
 
 
 class ValueDirectory:
-    """Providers are asked in the order they registered in; owned by the services process, one thread."""
+    """Providers are called in the order of their registration; owned by the services process, one thread."""
 
     def __init__(self, named: Values) -> None:
         self.named = named
@@ -160,7 +161,7 @@ def as_number(value: Value) -> float:
 
 
 class NamedValues:
-    """Provider of what telegrams, Modbus clients and tools write."""
+    """Provider of values written by telegrams, Modbus clients and tools."""
 
     def __init__(self, directory: ValueDirectory) -> None:
         self._directory, self._values = directory, directory.named

@@ -25,11 +25,11 @@ class CaptureTap:
 
     @property
     def connected(self) -> bool:
-        """It is there, and something writes it."""
+        """The capture exists, and a program writes it."""
         return self._fd >= 0 and not self.why
 
     def turn(self, now: Ns) -> list[Packet]:
-        """What came since the last one."""
+        """New packets since the last call."""
         if self._fd < 0 and not self._open(now):
             return []
         found: list[Packet] = []
@@ -61,7 +61,7 @@ class CaptureTap:
             self.why = f"{self.path}: {error.strerror}; next: mkfifo {self.path}, then tcpdump --immediate-mode -U -w {self.path}"
             return False
         self._fifo, self._capture = stat.S_ISFIFO(os.fstat(self._fd).st_mode), Capture()
-        if not self._fifo:  # a file: what is in it was before us
+        if not self._fifo:  # a file: its content is older than this run
             with contextlib.suppress(DecodeError):
                 while len(data := os.read(self._fd, CHUNK)) > 0:
                     list(self._capture.feed(data))
@@ -71,13 +71,13 @@ class CaptureTap:
     def _read(self) -> bytes:
         try:
             data = os.read(self._fd, CHUNK)
-        except BlockingIOError:  # a writer is there and has nothing new
+        except BlockingIOError:  # a writer is connected and has nothing new
             self.why = ""
             return b""
         if self._fifo:
             self.why = "" if data else f"{self.path}: no program writes to it"
             if not data:
-                self._capture = Capture()  # the next writer begins with a head of its own
+                self._capture = Capture()  # the next writer begins with its own header
         return data
 
     def _lose(self, why: str) -> None:

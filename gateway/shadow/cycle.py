@@ -146,7 +146,7 @@ class ShadowCycle(Cycle):
                 bus.foreign += key not in self.comparison.blocks
             return
         finally:
-            bus.family.aside.clear()  # SDO and the like: the old controller's, and nobody here waits for them
+            bus.family.aside.clear()  # SDO and the like belong to the old controller; nothing here waits for them
         if heard is None or not self._open:
             return
         self._missing -= self._actuals[heard[0]] is None
@@ -222,7 +222,7 @@ class ShadowCycle(Cycle):
             self.comparison.declare(key, name, [Place(f"byte {n}", "", n, b"\xff") for n in range(len(frame.data))])
 
     def _compared(self, bus: BusLink, frame: Frame) -> bytes:
-        """Of a set value its commands and its position, whatever the layout; of any other telegram all of it."""
+        """Compared part: commands and position of a set value, whatever the layout; any other telegram completely."""
         sets = self._sets[bus.number]
         return frame.data if sets.drive(frame) is None else sets.content(frame)
 

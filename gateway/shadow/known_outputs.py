@@ -8,7 +8,7 @@ SETTLE: Ns = ms(5_000)
 
 
 def state_is_known(image: SharedImage, count: int, since: Ns, now: Ns) -> bool:
-    """`count`: axes of the cell.  Telegrams of the drives were received, or they are silent for so long that this is the state."""
+    """`count`: axes of the cell.  Telegrams of the drives were received, or the drives have been silent so long that this is the state."""
     axes = image.state.axes[:count]
     unheard = AxisFlag.LOST | AxisFlag.UNCONFIGURED
     heard = bool(image.state.generation) and not any(axis.flags & unheard for axis in axes)

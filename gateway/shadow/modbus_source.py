@@ -48,13 +48,13 @@ class ShadowModbusSource(ModbusSource):
         self.since: Ns = time.monotonic_ns()
         self._settled = False
         self._clients: dict[Endpoint, Client] = {}
-        self._open: dict[tuple[Endpoint, int], bytes] = {}  # our answers until the old controller's is there
+        self._open: dict[tuple[Endpoint, int], bytes] = {}  # our answers until the old controller's arrives
         self._reads: dict[tuple[int, bytes], Request] = {}
         self._signals = signals_of(self._run.cell)
         self._numbers = numbers_of(self._run.cell, settings, self._run.plan.tolerances)
 
     def take(self, now: Ns) -> None:
-        """What waits in the capture."""
+        """Read the waiting packets of the capture."""
         self._settled = self._settled or state_is_known(self._image, len(self._run.cell.axis), self.since, now)
         for packet in self._capture.turn(now):
             for exchange in self._talk.take(packet, self._capture.offset):
@@ -72,7 +72,7 @@ class ShadowModbusSource(ModbusSource):
     def _asked(self, asked: Asked) -> None:
         self.telegrams["heard"] += 1
         if not self._settled:
-            self.restart()  # until our own state is known, a command only says where its toggle is (AX-141)
+            self.restart()  # until our own state is known, a command only sets the initial state of its toggle (AX-141)
         client = self._clients.get(asked.client)
         if client is None:
             client = self._clients[asked.client] = self._client(asked.client, asked.stamp)

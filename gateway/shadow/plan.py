@@ -1,4 +1,4 @@
-"""What a shadow runs: cycle and services of the cell on ports that only listen, nothing else (AX-493)."""
+"""Plan of a shadow: cycle and services of the cell on ports that only listen, nothing else (AX-493)."""
 
 import ipaddress
 from collections.abc import Mapping, Sequence
@@ -11,10 +11,10 @@ from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.modbus import Modbus
 from gateway.registry import LINE_LAYERS
 
-LINES, BUSES = "shadow-lines.json", "shadow-buses.json"  # what services and cycle found, in the folder of the run
+LINES, BUSES = "shadow-lines.json", "shadow-buses.json"  # findings of services and cycle, in the folder of the run
 SPOKEN = ("servodyn", "rho3-io", "canopen")
 ENDLESS = FollowingError(float("inf"), float("inf"))
-LIFE_NS = 10_000_000_000  # nothing hangs on it, and a successor would have forgotten what was found
+LIFE_NS = 10_000_000_000  # nothing depends on it, and a successor would have lost the findings
 Taps = Mapping[str, tuple[str, str]]  # line -> ports that listen to the PLC and to the old controller; server -> capture, address
 
 
@@ -64,7 +64,7 @@ def _why_no_capture(server: Modbus, address: str) -> str:
 
 
 def left_out(cell: Cell, taps: Taps) -> list[str]:
-    """What of the cell the shadow neither receives nor compares, in words."""
+    """Parts of the cell that the shadow neither receives nor compares, in words."""
     found = [f"line {line.name}: not tapped" for line in cell.line if line.name not in taps]
     found += [f"modbus {modbus.name}: neither served nor written" for modbus in cell.modbus if modbus.name not in taps]
     found += [f"contact {io.name}: neither read nor switched" for io in cell.io]
@@ -96,7 +96,7 @@ def shadow_cell(cell: Cell, taps: Taps) -> Cell:
 
 
 def _unjoined(cell: Cell, taps: Taps) -> bool:
-    """Routes may need what a shadow has not."""
+    """Routes may need parts that a shadow lacks."""
     return bool(cell.io) or any(modbus.name not in taps for modbus in cell.modbus)
 
 
@@ -109,7 +109,7 @@ def _unheard(cell: Cell, taps: Taps) -> list[str]:
 
 
 def plan_shadow(cell: Cell, taps: Taps, *, slug: str | None, bus: str | None, p5_ms: int | None, tolerance: float | None = None) -> RunPlan:
-    """Of a cell that has one (why_not_shadow).  It counts as simulated: nothing of it is kept for the next run.  `tolerance` of positions,
+    """Of a cell that has one (why_not_shadow).  It counts as simulated: nothing is kept for the next run.  `tolerance` of positions,
     in the unit of each axis; None: the lag that each may have before it is warned of."""
     plan = plan_run(shadow_cell(cell, taps), simulated=False, slug=slug or f"{slug_of(cell)}-shadow"[:31], instead=Instead(bus, p5_ms))
     modules = {"cycle": "gateway.shadow.cycle", "services": "gateway.shadow.services"}

@@ -1,4 +1,4 @@
-"""The services of a shadow: command sources that only listen, and what they found, every second into a file (AX-493)."""
+"""The services of a shadow: command sources that only listen, and their findings, every second into a file (AX-493)."""
 
 import argparse
 import asyncio

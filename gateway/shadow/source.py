@@ -70,7 +70,7 @@ class ShadowSource(Rk512Source):
                 self.comparison.ours(key, content, now)
         self.comparison.settle(now)
 
-    # ---- what passes -------------------------------------------------------------------------------------------------
+    # ---- traffic
     def _reported(self, report: LineReport) -> None:
         for exchange in self._conversation.take(report):
             if isinstance(exchange, Asked):
@@ -96,7 +96,7 @@ class ShadowSource(Rk512Source):
             self._known(telegram.kind, telegram.db, asked.stamp)
 
     def _old_answers(self, answered: Answered) -> None:
-        """The old controller's reaction; ours was made when the PLC asked."""
+        """The old controller's reaction; ours was computed at the PLC's request."""
         ours, self._reaction = self._reaction, b""
         self.telegrams["answered"] += 1
         if ours[:REACTION_BYTES] != answered.data[:REACTION_BYTES]:
@@ -114,7 +114,7 @@ class ShadowSource(Rk512Source):
             self._said(asked.data, 0, telegram.data, asked.stamp, asked.stamp, job_word="SEND")
 
     def _plc_answers(self, answered: Answered) -> None:
-        """What the old controller fetched from the PLC is taken as if we had fetched it."""
+        """Data that the old controller fetched from the PLC are processed as if we had fetched them."""
         telegram = telegram_of(answered.job)
         data = answered.data[REACTION_BYTES:]
         if telegram is None or telegram.job != "FETCH" or telegram.kind not in ("DB", "DX") or len(data) % 2:
@@ -150,7 +150,7 @@ class ShadowSource(Rk512Source):
         if key not in self.comparison.blocks:
             declared = self.data.blocks.get(key) if self.data is not None else None
             if declared is not None and declared.from_plc:
-                return  # it only says what the PLC wrote itself
+                return  # it only repeats what the PLC wrote itself
             places = places_of(declared) if declared is not None else rest_of(b"\xff" * (len(content) & ~1))
             self.comparison.declare(key, block_name(key), places)
         self.comparison.ours(key, content, now)

@@ -1,6 +1,6 @@
 """Two receive-only ports on one line inside asyncio: characters of both directions in the order of the line, decoded to sentences.
 
-A port that is gone is tried again every quarter of a second; nothing is ever written.
+A lost port is tried again every quarter of a second; nothing is ever written.
 """
 
 import asyncio
@@ -26,7 +26,7 @@ class _Listened:
         self.port: BytePort | None = None
 
     def open(self, now: Ns, watch: Callable[[int], None]) -> None:
-        """Tries, at most so often."""
+        """Try to open, not too often."""
         if self.port is not None or now < self._again:
             return
         self._again = now + AGAIN_NS
@@ -89,7 +89,7 @@ class TapPair:
 
     @property
     def why(self) -> str:
-        """What is missing."""
+        """The missing ports."""
         return "; ".join(side.why for side in self._sides if side.why)
 
     @property

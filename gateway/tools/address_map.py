@@ -162,7 +162,7 @@ def _signal(cell: Cell, signal: Signal) -> tuple[Field, ...]:
 
 
 def wiring_sheets(cell: Cell) -> list[Sheet]:
-    """What is to be connected where, and what the plant guarantees in hardware."""
+    """Connections to wire, and hardware functions that the plant guarantees."""
     columns = ("from", "to", "how", "carries")
     rows: list[tuple[Field, ...]] = [
         (f"line {line.name}", line.port, f"{line.format} {line.wiring}".strip(), f"{line.protocol} {line.layer}, priority {line.priority}")

@@ -1,6 +1,6 @@
 """Builds the parts in C with the system's compiler: `python -m gateway.cycle.native.build`.
 
-Exit code 0: all are there; 1: not, and the Python twins run (a line names what is missing).
+Exit code 0: all are built; 1: not all, and the Python twins run (a line names the missing ones).
 """
 
 import os
@@ -17,7 +17,7 @@ FLAGS = ("-O2", "-Wall", "-Wextra", "-Wno-unused-parameter", "-ffp-contract=off"
 
 
 def build(part: str, compiler: list[str]) -> str:
-    """What went wrong; empty: built."""
+    """Build; return the fault, empty on success."""
     target = library(part)
     if target.exists():
         return ""

@@ -1,7 +1,7 @@
-"""Which parts in C there are, what their libraries are called, and how they are loaded.
+"""Names, libraries and loading of the parts in C.
 
-A library's name holds a hash of its sources and of the interpreter it was made for: one of another state of the tree is not found, and the
-Python twin runs.
+A library's name contains a hash of its sources and of its interpreter: a library of another state of the tree is not found, and the Python
+twin runs.
 """
 
 import hashlib

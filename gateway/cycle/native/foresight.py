@@ -33,7 +33,7 @@ class QuickForesight(Foresight):
         return c
 
     def __reduce__(self) -> tuple[object, ...]:
-        """A recording keeps the twin in this state: whoever plays it need not have C (AX-484)."""
+        """A recording keeps the twin in this state: a replay does not need C (AX-484)."""
         return Foresight, (self._track, self._h), {name: value for name, value in vars(self).items() if name != "_native"}
 
     def _found(self, seen: Window, first: int, past: int, *now: float) -> Found:

@@ -148,7 +148,7 @@ class NativeParts:
     def looker(
         self, links: RegionReader, planner: RegionReader | None, pieces: RingReader | None, orders: RingReader, image: RegionReader
     ) -> Look:
-        """What the others may have written since the last cycle, asked at one go."""
+        """Function that checks for changes by others since the last cycle, all in one call."""
         memory = self._memory
         if memory is not None:
             places = [reader.octets if reader is not None else None for reader in (links, planner, pieces, orders, image)]

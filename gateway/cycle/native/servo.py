@@ -7,7 +7,7 @@ from gateway.cycle.native.built import load, wanted
 
 
 def use_servo(*, python: bool | None = None) -> bool:
-    """From now on every emulated axis of this process runs in C where the part was built and is wanted; False: its twin runs."""
+    """From now on every emulated axis of this process runs in C if the part is built and enabled; False: its twin runs."""
     steps: Steps = run
     if not (not wanted() if python is None else python):
         try:

@@ -1,4 +1,4 @@
-"""A CANopen bus no cycle owns: commissioning tools speak to it through the same link as the services do through the ring."""
+"""A CANopen bus without a cycle: commissioning tools use it through the same link as the services use the ring."""
 
 import select
 import threading
@@ -13,7 +13,7 @@ class DirectLink:
     def __init__(self, port: CanPort) -> None:
         self.port = port
         self.released: dict[int, int] = {}  # node -> mode
-        self.cyclic: list[Frame] = []  # TPDOs, for whoever wants them; the master does not
+        self.cyclic: list[Frame] = []  # TPDOs, for other readers; the master ignores them
         self._lock = threading.Lock()
 
     def send(self, identifier: int, data: bytes) -> bool:
@@ -27,7 +27,7 @@ class DirectLink:
             self.port.send(frames)
 
     def receive(self) -> list[Frame]:
-        """What came aside; cyclic data is kept apart."""
+        """Acyclic frames; cyclic data is kept separately."""
         if not select.select([self.port], (), (), 0)[0]:
             return []
         with self._lock:
@@ -40,7 +40,7 @@ class DirectLink:
         return aside
 
     def left_out(self, identifier: int) -> int:
-        """Nothing is left out on a port of its own."""
+        """Nothing is dropped on a port of its own."""
         return 0
 
     def release(self, node: int, mode: int) -> None:

@@ -1,4 +1,4 @@
-"""Look before talking: a bus is listened to before a tool speaks on it as its master or as one of its devices (AX-631)."""
+"""Listen before sending: a tool listens to a bus before it acts there as its master or as one of its devices (AX-631)."""
 
 import select
 import time
@@ -18,7 +18,7 @@ class OtherMasterError(PortError):
 
 
 def listen(port: CanPort, seconds: float = LISTEN_S) -> list[Frame]:
-    """Everything received in so long; raises PortError."""
+    """All frames received in this time; raises PortError."""
     heard: list[Frame] = []
     end = time.monotonic() + seconds
     while (left := end - time.monotonic()) > 0:
@@ -35,7 +35,7 @@ def refuse_other_master(port: CanPort, url: str, protocol: str, otherwise: str =
 
 
 def refuse_on(url: str, protocol: str) -> None:
-    """The same on a port of its own; a bus that is not there yet is the cycle's to listen to when it comes."""
+    """The same on a port of its own; for a bus that is not up yet the cycle listens when it appears."""
     try:
         port = open_can(url)
     except PortError:

@@ -1,8 +1,8 @@
 """The master of a CANopen bus: starts the nodes up, supervises them, reports their faults.  Runs in threads of the services.
 
 The settings of each node are the pure plan of drivers.drives.cia402_boot; the `canopen` package carries it out over the python-can plug-in
-`cycle:`.  One node at a time speaks SDO through its own lock; a node that does not answer is tried again after 1, 2, 5 s and never keeps
-another one waiting (AX-309).
+`cycle:`.  Each node has its own lock for SDO; a node that does not answer is tried again after 1, 2, 5 s and never delays another one
+(AX-309).
 """
 
 import contextlib
@@ -61,7 +61,7 @@ class Health(Enum):
 
 @dataclass
 class Node:
-    """One node and what became of it."""
+    """One node and its state."""
 
     plan: NodePlan
     name: str  # of the axis
@@ -78,7 +78,7 @@ class Node:
     unreported: int = 0  # of them not reported one by one
     quiet_until: float = 0.0
     adopted: bool = False  # the next attempt only looks: a predecessor has configured it
-    asked: int = 0  # how often somebody wanted it started up once more
+    asked: int = 0  # number of requests to start it up again
     lock: threading.Lock = field(default_factory=threading.Lock)  # one SDO dialogue at a time
     news: threading.Event = field(default_factory=threading.Event)  # a heartbeat came
     thread: threading.Thread | None = None
@@ -89,7 +89,7 @@ class MasterLink(cycle_bus.CycleLink, Protocol):
 
     def release(self, node: int, mode: int) -> None: ...  # this node is configured
     def hold(self, node: int) -> None: ...  # no longer configured
-    def left_out(self, identifier: int) -> int: ...  # frames of a storm that receive() did not hand on since the last call
+    def left_out(self, identifier: int) -> int: ...  # frames of a storm that receive() has not passed on since the last call
 
 
 class Receiving(can.Listener):
@@ -149,7 +149,7 @@ class CanopenMaster:
         language: str = "en",
         cycle_s: float = 0.0,
     ) -> None:
-        """`nodes`: (axis, plan); `sheets`: what their EDS says, by node; `cycle_s`: the link sends one frame in so long."""
+        """`nodes`: (axis, plan); `sheets`: their EDS by node; `cycle_s`: interval of the frames that the link sends."""
         self._language = language
         self.nodes = {plan.node: Node(plan, name) for name, plan in nodes}
         self._channel, self._link, self._say = channel, link, say
@@ -164,7 +164,7 @@ class CanopenMaster:
 
     # ---- life --------------------------------------------------------------------------------------------------------
     def start(self, adopted: Sequence[int] = ()) -> None:
-        """`adopted`: nodes the cycle already speaks to; they are looked at, not configured."""
+        """`adopted`: nodes the cycle already uses; they are read, not configured."""
         for number in adopted:
             self.nodes[number].adopted = True
         self._keeper.start()
@@ -176,7 +176,7 @@ class CanopenMaster:
         self._network.connect()
         assert self._network.notifier is not None
         self._network.notifier.add_listener(Receiving(self._network, self._ring_failed))
-        known: dict[int, canopen.ObjectDictionary] = {}  # nodes of one type share what is known of them
+        known: dict[int, canopen.ObjectDictionary] = {}  # nodes of one type share their data
         for number, node in self.nodes.items():
             sheet = self._sheets.get(number)
             if id(sheet) not in known:
@@ -198,7 +198,7 @@ class CanopenMaster:
 
     @staticmethod
     def _on_answer(remote: canopen.RemoteNode, identifier: int, data: bytearray, stamp: float) -> None:
-        """Answers nobody asked for wait for the next request, which drops them; more of them than a block transfer has are dropped here."""
+        """Unexpected answers wait for the next request, which drops them; more of them than a block transfer has are dropped here."""
         if len(data) == SDO_BYTES and remote.sdo.responses.qsize() < ANSWERS:
             remote.sdo.on_response(identifier, data, stamp)
 
@@ -238,7 +238,7 @@ class CanopenMaster:
             for number, node in self.nodes.items()
         ]  # fmt: skip
 
-    # ---- what the bus says ---------------------------------------------------------------------------------------------
+    # ---- frames of the bus
     def _on_heartbeat(self, identifier: int, data: bytearray, stamp: float) -> None:
         node = self.nodes.get(identifier & 0x7F)
         if node is None or not data:
@@ -297,7 +297,7 @@ class CanopenMaster:
         self._say("drive", f"{node.name} (node {node.plan.node}): {why}", {"node": node.plan.node})
 
     def _boot(self, node: Node) -> None:
-        """One attempt, in a thread of its own: a node that does not answer keeps nobody waiting."""
+        """One attempt, in a thread of its own: a node that does not answer delays nobody."""
         plan, adopting, asked = node.plan, node.adopted, node.asked
         try:
             with node.lock:
@@ -375,9 +375,9 @@ class CanopenMaster:
         return b""
 
     def carry(self, number: int, plan: Generator[steps.Step, Answer, T], ends: Callable[[], str] = str) -> T:
-        """A dialogue of a tool with a node that is started up; raises what the plan raises.
+        """A dialogue of a tool with a node that is started up; raises the plan's exceptions.
 
-        `ends`: asked before every step; words end the dialogue there with EndedError.
+        `ends`: called before every step; a text ends the dialogue with EndedError.
         """
         node = self.nodes[number]
         with node.lock:

@@ -11,17 +11,17 @@ from protocols.base.machine import Frame
 from protocols.canopen import cob_id as cobid
 
 KEPT = 4096  # unread frames of a bus
-AT_ONCE, TURNS = 256, 32  # records taken from the ring in one go, and goes in one look: what comes meanwhile waits for the next
+AT_ONCE, TURNS = 256, 32  # records read from the ring at once, and reads in one look: later ones wait for the next
 
 
 class Rings:
-    """Both rings and what waits for each bus; any thread may ask."""
+    """Both rings and the waiting frames of each bus; callable from any thread."""
 
     def __init__(self, acyclic: int, heard: int, buses: int) -> None:
         """File descriptors of the rings and the number of drive buses; this process becomes the writer of `acyclic`."""
         self._out = RingWriter(acyclic, "acyclic", ASIDE_LAYOUT)
         self._in = RingReader(heard, "heard", ASIDE_LAYOUT)
-        self._put_lock, self._take_lock = threading.Lock(), threading.Lock()  # who sends waits for nobody who reads
+        self._put_lock, self._take_lock = threading.Lock(), threading.Lock()  # a sender does not wait for a reader
         self._waiting: list[deque[Frame]] = [deque(maxlen=KEPT) for _ in range(buses)]
         self._storms = [Storms() for _ in range(buses)]
         self.links = [RingLink(self, number) for number in range(buses)]
@@ -37,7 +37,7 @@ class Rings:
             self._out.put(pack_aside(record))
 
     def take(self, bus: int) -> list[Frame]:
-        """What waits for one bus."""
+        """Waiting frames of one bus."""
         with self._take_lock:
             for _ in range(TURNS):
                 records = self._in.take(AT_ONCE)
@@ -52,7 +52,7 @@ class Rings:
             return self._storms[bus].pass_on(found, time.monotonic_ns())
 
     def left_out(self, bus: int, identifier: int) -> int:
-        """Frames of a storm that were not handed on since the last call."""
+        """Frames of a storm that were not passed on since the last call."""
         with self._take_lock:
             return self._storms[bus].left_out(identifier)
 
@@ -73,17 +73,17 @@ class RingLink:
         return True
 
     def receive(self) -> list[Frame]:
-        """What the cycle received aside."""
+        """Acyclic frames received by the cycle."""
         return self._rings.take(self._number)
 
     def left_out(self, identifier: int) -> int:
-        """Frames of a storm of that identifier that `receive` did not hand on since the last call."""
+        """Frames of a storm of that identifier that `receive` has not passed on since the last call."""
         return self._rings.left_out(self._number, identifier)
 
     def release(self, node: int, mode: int) -> None:
-        """This node is configured: the cycle may speak to it."""
+        """This node is configured: the cycle may send to it."""
         self._rings.put(AsideRecord(Aside.RELEASE, self._number, node, bytes((mode & 0xFF,)), time.monotonic_ns()))
 
     def hold(self, node: int) -> None:
-        """The cycle speaks to it no more."""
+        """The cycle stops sending to it."""
         self._rings.put(AsideRecord(Aside.HOLD, self._number, node))

@@ -11,7 +11,7 @@ OUT_OF_MEMORY, TIMED_OUT = 0x05040005, 0x05040000
 
 
 def bounded_upload(client: SdoClient, index: int, sub: int, most: int = MOST_BYTES, most_s: float = MOST_S) -> bytes:
-    """As SdoClient.upload; raises SdoAbortedError with the code sent to the device when it does not end, and what that one raises."""
+    """As SdoClient.upload; raises SdoAbortedError with the code sent to the device if it does not end, and the exceptions of upload."""
     end = time.monotonic() + most_s
     with client.open(index, sub, buffering=0) as stream:  # type: ignore[no-untyped-call]  # canopen has no types here
         announced = stream.size

@@ -110,7 +110,7 @@ class ModbusClient:
 
     @property
     def devices(self) -> Mapping[str, Seen]:
-        """What is known of each device; live, read only."""
+        """State of each device; live, read only."""
         return self._master.seen
 
     @property
@@ -150,7 +150,7 @@ class ModbusClient:
         number = self._master.order(device, pdu, time.monotonic_ns())
         if on_result is not None:
             self._results[number] = on_result
-        if self._runner is None:  # nobody would report it
+        if self._runner is None:  # otherwise nothing would report it
             self._results.pop(number, None)
             raise RuntimeError("the client is not started")
         self._kick()

@@ -14,7 +14,7 @@ from protocols.modbus.view import ExceptionCode, View, home_unit
 
 EXCEPTION_BIT = 0x80
 BROADCAST = 0
-BROADCAST_FUNCTIONS = frozenset({5, 6, 8, 15, 16, 21, 22})  # what makes sense without an answer
+BROADCAST_FUNCTIONS = frozenset({5, 6, 8, 15, 16, 21, 22})  # functions that make sense without an answer
 OnRequest = Callable[[str, int], None]
 KEPT = 128  # exchanges for pages that decode them
 SHOWN = 48  # bytes of a PDU shown; its length is added
@@ -50,7 +50,7 @@ class Client:
     exceptions: int = 0
     foreign: int = 0
     role: str = ""  # TLS
-    limited: bool = False  # `rights` have to be asked for each request
+    limited: bool = False  # `rights` must be checked for each request
 
     def __post_init__(self) -> None:
         self.limited = self.rights.limited
@@ -129,7 +129,7 @@ class ModbusResponder:
         return answer(request.pdu, self._view_for(home_unit(request.unit, self._unit)), False)
 
     def since(self, number: int) -> list[Exchange]:
-        """Exchanges after that one, as far as they are kept; all of them for a number of a predecessor's, which counted anew."""
+        """Exchanges after that one, as far as they are kept; all of them for a number of a predecessor, which restarted the count."""
         number = number if number <= self.counters.requests else 0
         return [exchange for exchange in self._kept if exchange.number > number]
 
@@ -143,7 +143,7 @@ class ModbusResponder:
         return answer(pdu, view, rights.write, self.station)
 
     def _broadcast(self, pdu: bytes, client: Client) -> bytes:
-        """Done as if for our own unit, answered by nobody (serial line guide, 2.1)."""
+        """Executed as if for our own unit, without an answer (serial line guide, 2.1)."""
         if pdu[0] in BROADCAST_FUNCTIONS:
             self._answer(self._unit, pdu, client)
         return b""

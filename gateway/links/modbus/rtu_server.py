@@ -55,7 +55,7 @@ class ModbusLine:
         self._runner = LineRunner[LineEvent](self._open_port, self._framing, self._on_event)
 
     async def close(self) -> None:
-        """Gives the port back."""
+        """Release the port."""
         if self._runner is not None:
             self._runner.close()
             self._runner = None

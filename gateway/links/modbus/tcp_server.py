@@ -40,13 +40,13 @@ RightsFor = Callable[[asyncio.Transport], "tuple[Rights, str] | None"]
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What one server and each of its clients may use (AX-073)."""
+    """Limits of one server and of each of its clients (AX-073)."""
 
     clients: int = 32  # at once; the next one is closed at once
-    per_address: int | None = None  # of them from one address; None: no limit of its own
+    per_address: int | None = None  # of them from one address; None: no separate limit
     held_bytes: int = 64 * 1024  # per client, in this process
     receive_limit_ns: Ns = RECEIVE_LIMIT  # a frame's first byte to its last
-    stall_limit_ns: Ns = STALL_LIMIT  # answers waiting and nobody taking them
+    stall_limit_ns: Ns = STALL_LIMIT  # answers waiting without being read
     idle_limit_ns: Ns | None = None  # no byte at all; None: idle clients stay
     allow: Sequence[str] | None = None  # addresses or networks that may write; None: all; the others only read, 01 for a write (AX-070)
 
@@ -99,7 +99,7 @@ class ModbusServer:
 
     @property
     def address(self) -> tuple[str, int]:
-        """Host and port listened on (the real port where 0 was asked for)."""
+        """Host and port of the server (the real port if 0 was given)."""
         return self._host, self._port
 
     @property
@@ -111,7 +111,7 @@ class ModbusServer:
         return sum(connection.unsent_bytes() for connection in self._connections)
 
     async def start(self) -> None:
-        """Listens; PortError names the port and what to do when it cannot."""
+        """Listen; PortError names the port and the remedy."""
         listener = _listen(self._host, self._port)
         self._port = listener.getsockname()[1]
         self._server = await asyncio.get_running_loop().create_server(self._partner, sock=listener)
@@ -174,7 +174,7 @@ class ModbusServer:
 
 
 class _Handshake(asyncio.Protocol):
-    """A partner before its TLS handshake is done: who fails it is reported, asyncio itself says nothing."""
+    """A partner during its TLS handshake: a failure is reported here, because asyncio reports nothing."""
 
     def __init__(self, server: ModbusServer, context: ssl.SSLContext) -> None:
         self._server, self._context = server, context
@@ -263,7 +263,7 @@ class _Connection(asyncio.BufferedProtocol):
             self._transport.abort()
 
     def sweep(self, now: Ns) -> None:
-        """Looks at what only time can show: a half frame, a stalled or an idle partner."""
+        """Check time-outs: a half frame, a stalled or an idle partner."""
         limits, counters = self._server.limits, self._server.counters
         if self._stalled_ns is not None:
             if now - self._stalled_ns >= limits.stall_limit_ns:

@@ -1,4 +1,4 @@
-"""Journal of a line on a real port: a machine between loop and station that writes down what it receives, sends and reports.
+"""Journal of a line on a real port: a machine between loop and station that logs received and sent bytes and events.
 
 `axisgate run CELL --record FOLDER` keeps it as FOLDER/line-NAME.txt, in the form of the test vectors (protocols.base.dialogue); on a
 simulated line the line process keeps its own record of both sides.  `axisgate line export` reads either.
@@ -87,7 +87,7 @@ class Journaled(Generic[E]):
         return events
 
     def _note(self, now: Ns, verb: str, what: str) -> None:
-        self._latest = max(self._latest, now - self._start)  # bytes sent get a later stamp than the moment they answer
+        self._latest = max(self._latest, now - self._start)  # never decreasing: output has a later stamp than the input it answers
         self._put(line_of(Entry(self._latest, verb, what)) + "\n")
 
     def _put(self, text: str) -> None:

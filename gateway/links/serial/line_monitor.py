@@ -14,7 +14,7 @@ from protocols.p3964r.characters import Char
 TURN = 0.002  # seconds at one of two taps
 IDLE = 0.02
 QUIET: Ns = ms(5000)
-HOLD: Ns = ms(20)  # a character waits so long at most for one of the other tap that belongs before it: adapters hand over late
+HOLD: Ns = ms(20)  # longest wait of a character for an earlier one of the other tap: adapters deliver late
 
 
 def forget(stamp: Ns, side: str, what: int | Damage) -> None:
@@ -40,7 +40,9 @@ class Monitor:
         self.characters = 0
 
     def run(self, how_long: Ns | None, quiet: Callable[[Ns], None] = lambda silence: None) -> None:
-        """So long, or until interrupted.  `quiet` is called with the time without a byte: after QUIET, then each time it has doubled."""
+        """For this time, or until interrupted.  `quiet` is called with the time without a byte: after QUIET, then each time
+        it has doubled.
+        """
         start = since = self._clock()
         count, due = 0, QUIET
         while how_long is None or self._clock() - start < how_long:
@@ -59,7 +61,7 @@ class Monitor:
             self._on_report(report)
 
     def take(self) -> None:
-        """What waits at the ports."""
+        """Read what waits at the ports."""
         now = self._clock()
         for side, port in self._ports:
             for item in port.read():
@@ -74,7 +76,7 @@ class Monitor:
         while (side := self._next_side(now)) is not None:
             stamp, what = self._heard[side].popleft()
             self.characters += 1
-            self._latest = stamp = max(stamp, self._latest)  # what was held back came before, whatever its adapter's moment
+            self._latest = stamp = max(stamp, self._latest)  # delayed characters came before, whatever the stamp of the adapter
             self._keep(stamp, side, what)
             for report in self._decoder.take(stamp, side, what):
                 self._on_report(report)
@@ -90,7 +92,7 @@ class Monitor:
 
 
 class Recorder:
-    """Writes what is received as a line record: `learn`, `monitor --record` and `export` read it, also when it broke off."""
+    """Writes received characters as a line record: `learn`, `monitor --record` and `export` read it, also if it is incomplete."""
 
     def __init__(self, out: TextIO, name: str, line_format: LineFormat, now: Ns) -> None:
         self._out = out
@@ -103,7 +105,7 @@ class Recorder:
     def _put(self, text: str) -> None:
         try:
             self._out.write(text)
-        except OSError as error:  # a full disk has no name of its own
+        except OSError as error:  # a full disk: the exception names no file
             raise OSError(error.errno, f"nothing more can be kept: {error.strerror}", self._out.name) from error
 
 

@@ -1,6 +1,6 @@
-"""What every loop does with one byte machine on one byte port: bytes, damage, sending, `sent`, deadlines, a port that goes and comes back.
+"""Connects one byte machine to one byte port in any loop: bytes, damage, sending, `sent`, deadlines, loss and return of the port.
 
-The loop around it (LineRunner in asyncio, SyncLine with select) only waits and calls.  Time comes in as `now`.
+The calling loop (LineRunner in asyncio, SyncLine with select) only waits and calls.  Time is passed in as `now`.
 """
 
 import contextlib
@@ -34,7 +34,7 @@ class LineCounters:
 
 @dataclass(slots=True)
 class LineState:
-    """What a page or a status block shows of a line."""
+    """State of a line for a page or a status block."""
 
     connected: bool = False
     since_ns: Ns = 0  # of `connected`
@@ -47,7 +47,7 @@ class LineCore(Generic[E]):
 
     def __init__(self, machine: Machine[E], on_event: Callable[[E, Ns], None], on_fault: Callable[[Exception], None]) -> None:
         self.machine = machine
-        self._receive, self._sent = machine.receive, machine.sent  # these four are asked for each burst
+        self._receive, self._sent = machine.receive, machine.sent  # these four are called for each burst
         self._take_output, self._deadline = machine.take_output, machine.deadline
         self.state = LineState()
         self.port: BytePort | None = None
@@ -97,12 +97,12 @@ class LineCore(Generic[E]):
         return deadline if sent_at is None or deadline <= sent_at else sent_at
 
     def readable(self, now: Ns) -> None:
-        """The port has something.  Raises PortError when it is gone."""
+        """The port has data.  Raises PortError when it is lost."""
         if self.port is None:
             return
         items = self.port.read()
         if self._sent_owed and not self._untaken:
-            self._look_for_sent(now)  # the answer cannot be older than the end of what it answers
+            self._look_for_sent(now)  # the answer cannot be older than the end of its request
         counters, flushed = self.state.counters, False
         for item in items:
             try:
@@ -122,7 +122,7 @@ class LineCore(Generic[E]):
             self._flush(now)
 
     def wake(self, now: Ns) -> None:
-        """A moment named by next_wake has come (or not yet: no harm).  Raises PortError when the port is gone."""
+        """A moment named by next_wake has come (or not yet: harmless).  Raises PortError when the port is lost."""
         if self._sent_at is not None and now >= self._sent_at:
             self._look_for_sent(now)
         due = self._deadline()
@@ -134,7 +134,7 @@ class LineCore(Generic[E]):
         self._flush(now)
 
     def pump(self, now: Ns) -> None:
-        """The machine may have something to send, or the port room again.  Raises PortError when the port is gone."""
+        """The machine may have output, or the port room again.  Raises PortError when the port is lost."""
         self._flush(now)
 
     def _ask(self, method: Callable[[Ns], Sequence[E]], now: Ns) -> Sequence[E]:
@@ -144,7 +144,7 @@ class LineCore(Generic[E]):
             return self._broken(error, now)
 
     def _broken(self, error: Exception, now: Ns) -> Sequence[E]:
-        """A machine never raises on what a partner sends; if one does all the same, it is counted and the line starts afresh."""
+        """A machine never raises on data of a partner; if one does, it is counted and the line restarts."""
         self.state.counters.machine_faults += 1
         self._rest_until = now + PAUSE_NS
         self._on_fault(error)
@@ -153,7 +153,7 @@ class LineCore(Generic[E]):
     def _flush(self, now: Ns) -> None:
         port = self.port
         if port is None:
-            return  # what the machine has to say waits for the port; its times run from `sent`
+            return  # the machine's output waits for the port; its times run from `sent`
         while True:
             data = self._take_output()
             if data:
@@ -172,13 +172,13 @@ class LineCore(Generic[E]):
                     raise PortError(f"{port.name}: takes nothing any more, {len(self._untaken)} bytes wait; opened again")
                 return
             if self._look_for_sent(now):
-                continue  # what has left may have let the machine say more
+                continue  # the machine may have more output once this has left
             break
         if self._sent_owed and self._sent_at is None:
             self._look_for_sent(now)
 
     def _look_for_sent(self, now: Ns) -> bool:
-        """Tells the machine `sent` if all has left, else says when to look again."""
+        """Call `sent` if all has left, else determine when to look again."""
         port = self.port
         if port is None or not self._sent_owed or self._untaken:
             return False

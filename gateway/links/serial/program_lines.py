@@ -14,7 +14,7 @@ R = TypeVar("R")
 
 
 class ProgramLines:
-    """ports: name of a line -> its address.  `units` is what programs use; it moves the bytes in each turn."""
+    """ports: name of a line -> its address.  `units` is the interface of programs; it moves the bytes in each turn."""
 
     def __init__(self, setup: Setup, ports: Mapping[str, str]) -> None:
         self._loop = asyncio.new_event_loop()
@@ -26,7 +26,7 @@ class ProgramLines:
         return {name: runner.state.why for name, runner in self._lines.runners.items()}
 
     def close(self) -> None:
-        """Gives the ports back."""
+        """Release the ports."""
         self._loop.run_until_complete(self._closed())
         self._loop.close()
 
@@ -43,6 +43,6 @@ class ProgramLines:
         return self._loop.run_until_complete(call())
 
     def _step(self) -> None:
-        """What is due and what has come; waits for nothing."""
+        """Handle due times and received bytes; never waits."""
         self._loop.call_soon(self._loop.stop)
         self._loop.run_forever()

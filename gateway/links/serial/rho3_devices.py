@@ -69,7 +69,7 @@ class Rho3Lines:
         return result
 
     def close(self) -> None:
-        """Gives the ports back; calls under way end with -7 or are cancelled.  Twice does no harm."""
+        """Release the ports; pending calls end with -7 or are cancelled.  A second call is harmless."""
         if self._closed:
             return
         self._closed = True
@@ -89,7 +89,7 @@ class Rho3Lines:
         return LineRunner(opened, place, self._heard)
 
     def _heard(self, event: Event, now: Ns) -> None:
-        """Of any line; what it leads to may have to leave by another one."""
+        """Events of any line; their consequences may have to leave by another one."""
         self._report(event, now)
         self._kick()
 

@@ -1,7 +1,7 @@
 """Drives one byte machine over one port inside asyncio.
 
-asyncio's own timers are a millisecond late and worse, so deadlines come from a timerfd.  A port that is gone is opened again every quarter
-of a second, in a thread (opening a USB adapter or a TCP connection may wait), so a dead partner never slows another.
+asyncio's own timers are late by a millisecond and more, so deadlines come from a timerfd.  A lost port is reopened every quarter of a
+second, in a thread (opening a USB adapter or a TCP connection may wait), so a dead partner never slows another.
 """
 
 import asyncio
@@ -31,7 +31,7 @@ class LineRunner(Generic[E]):
         self._armed: Ns | None = None
         self._watched = -1
         self._writing = False
-        self._inside = False  # of a step: what a listener kicks meanwhile needs no timer of its own
+        self._inside = False  # within a step: a kick by a listener then needs no timer of its own
         self._closed = False
         self._loop.add_reader(self._timer.fileno(), self._on_timer)
         self._opener: asyncio.Task[None] | None = self._loop.create_task(self._keep_opening())
@@ -113,7 +113,7 @@ class LineRunner(Generic[E]):
             self._watched, self._writing = -1, False
 
     async def _keep_opening(self) -> None:
-        """Until the port is there.  A machine that waits for time meanwhile is woken as ever."""
+        """Until the port is open.  A machine that waits for time is woken as usual."""
         if self._core.state.counters.opened:
             await asyncio.sleep(PAUSE_NS / 1e9)
         while True:
@@ -138,6 +138,6 @@ class LineRunner(Generic[E]):
 
 
 def _close_late(opening: "asyncio.Future[BytePort]") -> None:
-    """The port was opened after nobody wanted it any more."""
+    """Close a port that was opened after it was no longer needed."""
     with contextlib.suppress(Exception):
         opening.result().close()

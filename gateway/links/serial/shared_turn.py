@@ -8,21 +8,22 @@ from weakref import WeakKeyDictionary
 from protocols.base.machine import Ns, ms
 
 MOST_NS: Ns = ms(25)  # of a turn; a read that began before is finished
-SHORT_NS: Ns = ms(1)  # reads that take less, all together, need no notice of the next turn: it costs as much as such a read
+SHORT_NS: Ns = ms(1)  # total duration of reads up to which the next turn needs no notice: a notice costs as much as such a read
 
 _turns: "WeakKeyDictionary[asyncio.AbstractEventLoop, SharedTurn]" = WeakKeyDictionary()
 
 
 class SharedTurn:
-    """Lines ask it before they read, and report that they have.  A line that is put off stays readable, so it asks again in the next turn;
-    those put off read in their order, before any other line reads again."""
+    """Lines call it before they read, and report that they have.  A deferred line stays readable, so it calls again in the next turn;
+    deferred lines read in their order, before any other line reads again.
+    """
 
     def __init__(self, again: Callable[[Callable[[], None]], object], clock: Callable[[], Ns] = time.monotonic_ns) -> None:
         """`again` calls a function at the beginning of the next turn."""
         self._again, self._clock = again, clock
         self._began: Ns = 0  # the read under way
         self._spent: Ns = 0  # with reading, since the last notice of a turn
-        self._awaited = False  # the next turn gives notice
+        self._awaited = False  # the next turn is announced
         self._asked: set[object] = set()  # in this turn
         self._queue: dict[object, None] = {}  # put off, the longest waiting first
 
@@ -50,7 +51,7 @@ class SharedTurn:
             self._again(self._next)
 
     def _next(self) -> None:
-        self._queue = {line: None for line in self._queue if line in self._asked}  # one that asks no more has nothing to read, or no port
+        self._queue = {line: None for line in self._queue if line in self._asked}  # a line that calls no more has no data, or no port
         self._spent, self._awaited = 0, False
         self._asked.clear()
 

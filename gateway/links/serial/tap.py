@@ -1,4 +1,4 @@
-"""What a line's command source received and sent, the last few thousand characters, for pages that decode it; costs the line one append."""
+"""Keeps the last few thousand characters received and sent by a line's command source, for pages that decode them; costs one append."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -7,13 +7,13 @@ from typing import Generic, TypeVar
 from protocols.base.machine import Damage, Machine, Ns
 
 E = TypeVar("E")
-KEPT = 512  # pieces of what came or went, a few characters each
-KEPT_CHARACTERS = 16_384  # of all pieces: those of a flooded line are long, and a page asks for them all at once
+KEPT = 512  # pieces of the traffic, a few characters each
+KEPT_CHARACTERS = 16_384  # of all pieces: those of a flooded line are long, and a page requests all of them at once
 Piece = tuple[int, Ns, str, bytes | Damage]  # number, stamp, side (A: the partner, B: axisgate), characters
 
 
 class Tap(Generic[E]):
-    """A machine between loop and command source that keeps what passes."""
+    """A machine between loop and command source that keeps the traffic."""
 
     def __init__(self, machine: Machine[E], said: Callable[[Ns, str, bytes], None] = lambda now, side, data: None) -> None:
         """`said` receives every good character at once."""
@@ -25,7 +25,7 @@ class Tap(Generic[E]):
         self._latest: Ns = 0
 
     def since(self, number: int) -> list[Piece]:
-        """Pieces after that one, as far as they are kept; all of them for a number of a predecessor's, which counted anew."""
+        """Pieces after that one, as far as they are kept; all of them for a number of a predecessor, which restarted the count."""
         number = number if number <= self._number else 0
         return [piece for piece in self._kept if piece[0] > number]
 
@@ -53,7 +53,7 @@ class Tap(Generic[E]):
     def take_output(self) -> bytes:
         output = self._machine.take_output()
         if output:
-            self._keep(self._latest, "B", output)  # it answers what came last
+            self._keep(self._latest, "B", output)  # it answers the last piece received
         return output
 
     def _keep(self, now: Ns, side: str, what: bytes | Damage) -> None:

@@ -49,7 +49,7 @@ class Wire(Protocol):
 
 
 class ToolPort(Protocol):
-    """What RealWire needs of a port."""
+    """The part of a port that RealWire needs."""
 
     name: str
     char_ns: Ns
@@ -57,14 +57,14 @@ class ToolPort(Protocol):
     def read(self) -> list[bytes | Damage]: ...
     def write(self, data: bytes) -> int: ...
     def unsent(self) -> int: ...  # characters that have not arrived, as far as the port knows
-    def wait(self, seconds: float) -> None: ...  # until something can be read, at most so long
+    def wait(self, seconds: float) -> None: ...  # until data can be read, at most this time
     def spoil(self) -> bool: ...
     def send_break(self) -> bool: ...
     def close(self) -> None: ...
 
 
 def waited_ns() -> Ns:
-    """How long this program has waited for a processor so far (proc(5)); 0 where the system does not say."""
+    """How long this program has waited for a processor so far (proc(5)); 0 if the system does not report it."""
     try:
         with open(SCHEDULED, encoding="ascii") as file:
             return int(file.read().split()[1])
@@ -73,7 +73,7 @@ def waited_ns() -> Ns:
 
 
 class RealWire:
-    """A port in real time.  `late_ns`: by how much this program itself was held up; times measured meanwhile are void."""
+    """A port in real time.  `late_ns`: delay of this program itself; times measured during it are void."""
 
     simulated = False
 
@@ -138,7 +138,7 @@ class RealWire:
     def _take(self) -> None:
         now, items = self.now(), self._port.read()
         if items and self._drained > now and not self._port.unsent():
-            self._drained = now  # no line delays what we say: this answers all of it
+            self._drained = now  # no line delays our output: this answers all of it
         for item in items:
             for what in item if isinstance(item, bytes) else (item,):
                 self._inbox.append(Heard(now, what))

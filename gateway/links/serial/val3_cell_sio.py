@@ -1,6 +1,6 @@
 """The sio channels of a cell as its application uses them: sockets and serial lines served once a turn, without a loop of their own.
 
-What they mean is decided in gateway.pure.controllers.val3.sio; the interpreter calls `settle` in every turn and while an instruction waits.
+gateway.pure.controllers.val3.sio decides their meaning; the interpreter calls `settle` in every turn and while an instruction waits.
 """
 
 import contextlib
@@ -35,12 +35,12 @@ class CellSio(VirtualSio):
         self._connecting: dict[int, tuple[Channel, socket.socket, Ns]] = {}
         self._deaf: set[int] = set()  # connections whose partner has ended
 
-    # ---- what instructions ask
+    # ---- requests of instructions
     def declare(self, link: str, channel: Channel | None = None) -> None:
         """Channels are those of the cell."""
 
     def of(self, variable: SioV) -> Sio:
-        """What the core knows the variable as; 123 without a link, or with one to nothing."""
+        """The core's number of the variable; 123 without a link, or with one to nothing."""
         name = channel_named(self._channels, variable.link) if variable.link else None
         if name is None:
             raise Rte(123, variable.link or "")
@@ -55,7 +55,7 @@ class CellSio(VirtualSio):
         return self.core.status(self.of(variable))
 
     def control(self, variable: SioV, name: str, value: float | str | bool) -> int:
-        """sioCtrl; a serial line is opened anew with its new frame, and keeps the old one where that is refused."""
+        """sioCtrl; a serial line is reopened with its new frame, and keeps the old one if that is refused."""
         sio = self.of(variable)
         mine = [number for number, wire in self._wires.items() if wire.channel.name == sio.link]
         before = self._wires[mine[0]].channel if mine else None
@@ -133,7 +133,7 @@ class CellSio(VirtualSio):
                 self._connecting[number] = channel, made, self.now + ATTEMPT_NS
                 return
             self._wires[number] = SerialWire(channel) if channel.kind is Kind.SERIAL else UdpWire(channel)
-        except (OSError, ValueError):  # ValueError: what only the hardware could know
+        except (OSError, ValueError):  # ValueError: a fault that only the hardware could detect
             self.core.refused(number, self.now)
             return
         self.core.opened(number, self.now)
@@ -164,7 +164,7 @@ class CellSio(VirtualSio):
             self._wires[number] = TcpWire(self.core.channel(name), made)
 
     def _pump(self, number: int) -> None:
-        """Reads what is there and sends what wants to go."""
+        """Read available data and send waiting data."""
         try:
             self._read(number)
             while (output := self.core.output(number)) and (wire := self._wires.get(number)) is not None:

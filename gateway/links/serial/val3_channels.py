@@ -71,7 +71,7 @@ class SioRunner:
         return self.core.status(sio)
 
     def descriptors(self, sio: Sio) -> list[int]:
-        """Of the open connections of its channel, to show the sockets from outside."""
+        """Descriptors of the open connections of its channel, to show the sockets outside."""
         return [wire.fileno() for wire in self._wires.values() if wire.channel.name == sio.link]
 
     def end_application(self) -> None:
@@ -141,7 +141,7 @@ class SioRunner:
     # --------------------------------------------------------------------------------------------------- helpers
 
     async def _run(self, call: Call[T]) -> T:
-        self._settle([])  # opens what has to be opened
+        self._settle([])  # opens the required ports
         self._pump_channel(call.sio)
         self._settle(self.core.wake(time.monotonic_ns()))  # with time-out -1 this ends it
         if call.done:
@@ -193,7 +193,7 @@ class SioRunner:
         try:
             wire = await asyncio.wait_for(self._make(channel), ATTEMPT_S)
             self._expect_same_frame(wire)
-        except (OSError, ValueError):  # ValueError: what only the hardware could know
+        except (OSError, ValueError):  # ValueError: a fault that only the hardware could detect
             self._openers.pop(number, None)
             self._settle(self.core.refused(number, time.monotonic_ns()))
             return
@@ -224,7 +224,7 @@ class SioRunner:
             raise
 
     async def _make_serial(self, channel: Channel) -> Wire:
-        """In a thread, which cannot be stopped: a wire nobody waits for any more is closed."""
+        """In a thread, which cannot be stopped: a wire that is no longer needed is closed."""
         making = asyncio.ensure_future(asyncio.to_thread(SerialWire, channel))
         try:
             return await asyncio.shield(making)
@@ -233,7 +233,7 @@ class SioRunner:
             raise
 
     async def _reopen(self, number: int, before: Channel, after: Channel) -> Code:
-        """Frames are set by opening anew, also while nobody waits; the old frame comes back if the new one is refused."""
+        """Frames are set by reopening, also without a waiting call; the old frame is restored if the new one is refused."""
         if (before.frame, before.flow_control) == (after.frame, after.flow_control):
             return Code.CHANGED
         self._drop(number)
@@ -261,7 +261,7 @@ class SioRunner:
         while name in self._servers:
             try:
                 sock, (host, _port) = self._servers[name].accept()
-            except OSError:  # nobody more, or gone again
+            except OSError:  # no further one, or lost again
                 return
             number, done = self.core.accepted(name, host, time.monotonic_ns())
             if number is None:
@@ -276,7 +276,7 @@ class SioRunner:
             self._pump(number)
 
     def _pump(self, number: int) -> None:
-        """Reads what is there and sends what wants to go."""
+        """Read available data and send waiting data."""
         try:
             self._read(number)
             self._write(number)

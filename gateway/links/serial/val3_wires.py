@@ -32,7 +32,7 @@ class Wire(Protocol):
 
 
 class SocketWire:
-    """What TCP and UDP share."""
+    """Common base of TCP and UDP."""
 
     def __init__(self, channel: Channel, sock: socket.socket) -> None:
         self.channel, self._socket = channel, sock
@@ -155,7 +155,7 @@ class SerialWire:
         return self._port.write(data)
 
     def configure(self, channel: Channel) -> None:
-        """A frame is set by opening anew."""
+        """A frame is set by reopening."""
         self.channel = channel
 
     def unsent(self) -> int:

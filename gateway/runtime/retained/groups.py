@@ -1,4 +1,4 @@
-"""What may be kept over a restart: names are GROUP.rest (AX-425).  Commands, releases, start bits and RC inputs belong to no group."""
+"""Names that may be kept over a restart: GROUP.rest (AX-425).  Commands, releases, start bits and RC inputs belong to no group."""
 
 GROUPS = {
     "flags": "markers and flags of the control, M0 .. as bytes",

@@ -114,7 +114,7 @@ class Retained:
             return self._file is not None and self._change.wait_for(lambda: not (self._waiting or self._records or self._busy), timeout_s)
 
     def close(self, timeout_s: float = 5.0) -> None:
-        """Writes what waits and ends the thread."""
+        """Write the waiting values and end the thread."""
         with self._change:
             self._closing = True
             self._change.notify_all()
@@ -205,7 +205,7 @@ class Retained:
 
 def _storable(value: Value) -> bool:
     if isinstance(value, bool):
-        return False  # SQLite knows no truth values: say 0 or 1
+        return False  # SQLite has no truth values: store 0 or 1
     if isinstance(value, float):
         return math.isfinite(value)
     return not isinstance(value, int) or -(1 << 63) <= value < 1 << 63

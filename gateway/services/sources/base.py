@@ -41,9 +41,9 @@ class SourceContext:
 
 
 class BaseSource(Part):
-    """What all command sources share; a part of the services process."""
+    """Common base of all command sources; a part of the services process."""
 
-    medium = ""  # under which the page shows what passed: lines or modbus
+    medium = ""  # the page shows its traffic under this heading: lines or modbus
 
     def __init__(self, context: SourceContext) -> None:
         self.number, self.name, self.kind = context.source.number, context.source.name, context.source.kind
@@ -82,7 +82,7 @@ class BaseSource(Part):
         """RC outputs of this tick; None: none have been published yet."""
 
     def passed(self, number: int) -> list[list[object]] | None:
-        """What passed after the piece or exchange of that number, for the page; None: nothing is kept."""
+        """Traffic after the piece or exchange of that number, for the page; None: nothing is kept."""
         return None
 
     def row(self) -> dict[str, object]:
@@ -115,7 +115,7 @@ class BaseSource(Part):
             self._journal("link", f"command source {self.number} {self.name}: {words}; {self.on_loss.value}", source=self.number)
 
     def silence(self) -> str:
-        """What the partner did instead of a sign of life."""
+        """The partner's behaviour instead of a sign of life."""
         return "silent"
 
     def restart(self) -> None:
@@ -123,7 +123,7 @@ class BaseSource(Part):
         self.block.link_returned()
 
     def refresh(self, state: CellState, axes: Sequence[tuple[float, float]], life: int, now: Ns) -> None:
-        """Status words out of what the cycle published; `axes`: (actual, lag) in the axes' own units."""
+        """Status words from the cycle's published state; `axes`: (actual, lag) in the axes' own units."""
         status, dispatcher = self.block_status, self.dispatcher
         job = dispatcher.source(self.number).last
         if job is not None and status.reason is not Reason.RESYNCHRONISED:
@@ -161,5 +161,5 @@ class BaseSource(Part):
 
 
 def on_loss_of(word: str) -> OnLoss:
-    """The cell's word for what a dead link does."""
+    """The cell's reaction to a dead link."""
     return OnLoss(word)

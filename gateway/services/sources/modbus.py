@@ -1,6 +1,6 @@
 """The command source of a Modbus server: RC signals by their bit numbers, the own command block (AX-012), registers of the cell file.
 
-Over TCP, over TLS, RTU in a TCP stream, RTU on a serial port: the command source is the same, only what carries the bytes differs.
+Over TCP, over TLS, RTU in a TCP stream, RTU on a serial port: the command source is the same, only the transport differs.
 """
 
 import asyncio
@@ -86,7 +86,7 @@ class ModbusSource(BaseSource):
         folder = pathlib.Path(run.cell.file).resolve().parent  # certificates are searched next to it
         self.server = self._line(settings, bind, views) if isinstance(bind, str) else self._tcp(settings, bind, views, folder)
 
-    # ---- what clients write and read ---------------------------------------------------------------------------------
+    # ---- writes and reads of clients
     def _value(self, name: str) -> float:
         return self._values.number(name, self)
 
@@ -160,7 +160,7 @@ class ModbusSource(BaseSource):
             join(shown, control)
 
     def restart(self) -> None:
-        """What was written before is old."""
+        """Values written before are old."""
         super().restart()
         for number in self._written_files:
             block = self._values.data_block(number)
@@ -168,7 +168,7 @@ class ModbusSource(BaseSource):
                 block.fresh = False
 
     def show(self, outputs: bytes | None) -> None:
-        """What the next requests read; None: RC outputs have not been published yet."""
+        """Image for the next requests; None: RC outputs have not been published yet."""
         self.view.status = self.block.status_words(self.block_status)
         if outputs is not None:
             self.view.outputs = outputs
@@ -209,7 +209,7 @@ class ModbusSource(BaseSource):
             identity=identity(settings),
         )
         if settings.tls is not None:
-            from gateway.links.modbus.tls import TlsRights, server_context  # cryptography only where a cell asks for it
+            from gateway.links.modbus.tls import TlsRights, server_context  # cryptography only if a cell needs it
 
             server.tls = server_context(settings.tls, folder)
             server.on_refused = Refusals(settings.name, self._journal).heard
@@ -219,7 +219,7 @@ class ModbusSource(BaseSource):
         return server
 
     def _answered(self, address: str, function: int) -> None:
-        """Life of this command source: requests of the client that writes; until somebody has written, of any (AX-148)."""
+        """Life of this command source: requests of the client that writes; before the first write, of any client (AX-148)."""
         if function in WRITES:
             self._writer = address
         if self._writer in ("", address):
@@ -227,7 +227,7 @@ class ModbusSource(BaseSource):
 
 
 class Refusals:
-    """Partners whose TLS handshake fails: each address once a minute in the journal, with how often meanwhile."""
+    """Partners whose TLS handshake fails: each address once a minute in the journal, with the number of failures."""
 
     def __init__(self, name: str, journal: WriteJournal) -> None:
         self._name, self._journal = name, journal

@@ -20,7 +20,7 @@ def edges_of(places: Places) -> list[int]:
 
 
 class PicSource(BaseSource):
-    """What its scans put out becomes RC inputs at once."""
+    """Outputs of its scans become RC inputs at once."""
 
     def join(self, control: Control) -> None:
         assert isinstance(control, RhoControl) and control.pic is not None  # as `check` has it

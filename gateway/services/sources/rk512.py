@@ -114,7 +114,7 @@ class Rk512Source(SerialSource):
             self.data.restart()
 
     def settle(self) -> None:
-        """At each tick: our own jobs, coordination flags, the handshake's outcome, and control given back at rest."""
+        """At each tick: our own jobs, coordination flags, the handshake's outcome, and release of control at rest."""
         self._now = self._run.clock()
         self._give_own_jobs(self._now)
         if self.data is not None:
@@ -126,11 +126,13 @@ class Rk512Source(SerialSource):
         self.reset_used_flags()
 
     def move_bit(self, key: str) -> bool:
-        """Of its data blocks."""
+        """A bit of its data blocks."""
         return super().move_bit(key) if self.data is None else self.data.handshake_bit(key)
 
     def reset_used_flags(self) -> None:
-        """Coordination flags fall when what came has been used: edges are taken at once, a move it started has ended (AX-251)."""
+        """Coordination flags are reset when their data have been used: edges are processed at once, a move they started has
+        ended (AX-251).
+        """
         if self.line.rk512.coordination_flag == "serve" and not (self.data is not None and self.data.handshake_bit("busy")):
             self.flags.set.clear()
 
@@ -145,7 +147,7 @@ class Rk512Source(SerialSource):
         return self._link.active
 
     def started(self) -> None:
-        """A job was given to `active`."""
+        """A job was passed to `active`."""
         self._link.start(self._run.clock())
         self.kick()
 
@@ -184,7 +186,7 @@ class Rk512Source(SerialSource):
         self._image.pass_on()
 
     def _on_event(self, event: object, now: Ns) -> None:
-        """The store was read or written inside the machine; here it is counted and handed on."""
+        """The store was read or written inside the machine; here it is counted and reported."""
         if isinstance(event, Written | Fetched | Continued | Refused | UnexpectedReaction | Repeated):
             self._count(event, now)
             if isinstance(event, UnexpectedReaction) or (isinstance(event, Refused) and event.number not in WAITS):
@@ -298,7 +300,7 @@ class Rk512Source(SerialSource):
         return None
 
     def reset_flag(self, byte: int, bit: int) -> bool:
-        """`axisgate var "M 6.4" --set 0`: a coordination flag is reset, what came has been used.  False: it was not set."""
+        """`axisgate var "M 6.4" --set 0`: a coordination flag is reset, its data have been used.  False: it was not set."""
         found = [flag for flag in self.flags.set if (flag.byte, flag.bit) == (byte, bit)]
         for flag in found:
             self.flags.reset(flag)
@@ -314,7 +316,7 @@ class Rk512Source(SerialSource):
             self._life = int.from_bytes(data[at : at + 2], "big")
 
     def write_as_plc(self, db: int, word: int, data: bytes) -> str:
-        """`axisgate var --set`: as if the PLC had sent it; empty when done, else why not."""
+        """`axisgate var --set`: as if the PLC had sent it; returns "" or the reason of a refusal."""
         refused = self._write(db, word, data)
         self._image.pass_on()
         return "" if refused is None else f"DB {db} DW {word}: refused with RK512 error {int(refused):02X}h ({refused.name})"
@@ -341,7 +343,9 @@ def compile_handshake(handshake: Handshake) -> HandshakeBits:
 
 
 def compile_pattern(cell: Cell) -> Selected:
-    """The pattern of [handshake.move], None for start-busy-done, which the data blocks play themselves; what its numbers select."""
+    """The pattern of [handshake.move], None for start-busy-done, which the data blocks handle themselves, and the table that its numbers
+    select from.
+    """
     positions = {position.number: (position.at, position.speed / 100.0) for position in cell.position}
     programs = frozenset(program.number for program in cell.program)
     handshake = cell.handshake.get("move")
@@ -378,7 +382,7 @@ def partner_place(db: Db) -> tuple[Kind, int, int]:
 
 
 def compile_slot(key: int, entry: Entry) -> Slot:
-    """One entry of the block with this key; the cell's checks have already refused what does not fit."""
+    """One entry of the block with this key; the cell's checks have already refused invalid ones."""
     place = parse(entry.at, db=ANY_DB)
     factor = float(entry.unit.split()[0]) if entry.unit else 1.0
     rising = entry.edge == "rising"

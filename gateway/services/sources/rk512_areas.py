@@ -25,7 +25,7 @@ class BlockStore(Protocol):
     data: DataBlocks | None
 
     def refused(self, kind: str) -> ErrorNumber | None:
-        """Why a job to this type is refused whatever it wants."""
+        """Why any job to this type is refused."""
 
     def write_block(self, key: int, word: int, data: bytes, now: Ns) -> ErrorNumber | None:
         """Words into a declared block."""

@@ -1,5 +1,6 @@
-"""What every command source of a serial line shares: the machine of its protocols on a port that goes and comes back, counters, journal
-words."""
+"""Common base of the command sources of serial lines: the machine of their protocols on a port that may be lost and return, counters,
+journal texts.
+"""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -15,7 +16,7 @@ from gateway.services.sources.base import BaseSource, SourceContext
 from protocols.base.machine import Damage, Machine, Ns
 from protocols.p3964r.events import SamePriority
 
-REPORT_EVERY: Ns = 1_000_000_000  # a partner's faults reach the journal at most so often; all are counted
+REPORT_EVERY: Ns = 1_000_000_000  # shortest interval of a partner's faults in the journal; all are counted
 
 
 class SerialSource(BaseSource):
@@ -29,9 +30,9 @@ class SerialSource(BaseSource):
         super().__init__(context)
         self.line = line
         self._partner: Counter[str] = Counter(dict.fromkeys((*self.counted, "same_priority"), 0))
-        self._advice = ""  # what is to be set right by hand
+        self._advice = ""  # a setting to correct by hand
         self._runner: LineRunner[object] | None = None
-        self.tap: Tap[object] | None = None  # what passed lately, for the page
+        self.tap: Tap[object] | None = None  # recent traffic, for the page
         self._journal_next: Ns = 0
         self._journal(
             "link",
@@ -49,13 +50,13 @@ class SerialSource(BaseSource):
         self._run.recorder.put(now, Source.HEARD if side == "A" else Source.SAID, self.number, data)
 
     async def close(self) -> None:
-        """Give the port back."""
+        """Release the port."""
         if self._runner is not None:
             self._runner.close()
 
     @property
     def connected(self) -> bool:
-        """The port is there."""
+        """The port is open."""
         return self._runner is not None and self._runner.state.connected
 
     @property
@@ -78,7 +79,7 @@ class SerialSource(BaseSource):
         return [[n, at, side, f"!{what.name}" if isinstance(what, Damage) else what.hex()] for n, at, side, what in pieces]
 
     def kick(self) -> None:
-        """The machine was given something to do."""
+        """The machine got new work."""
         if self._runner is not None:
             self._runner.kick()
 
@@ -92,7 +93,7 @@ class SerialSource(BaseSource):
         raise NotImplementedError
 
     def _link_fault(self, event: object, now: Ns) -> None:
-        """What the link reports: the one thing to be set right by hand has a counter and words of its own."""
+        """A report of the link: the one fault to correct by hand has a counter and a text of its own."""
         if isinstance(event, SamePriority):
             self._advice = f"both stations have the same priority ({event.priority.name.lower()}): set one to high, the other to low"
             self._fault("same_priority", self._advice, now)

@@ -44,7 +44,7 @@ class TelegramSource(SerialSource):
 
     # ---- life --------------------------------------------------------------------------------------------------------
     def wake(self, now: Ns) -> None:
-        """A host may be quiet for hours: without max_silence_ms only a port that is gone is a loss (AX-195)."""
+        """A host may be quiet for hours: without max_silence_ms only a lost port is a loss (AX-195)."""
         was = self.watch.alive
         if self.watch.max_silence:
             super().wake(now)
@@ -87,7 +87,7 @@ class TelegramSource(SerialSource):
             case BlockSent(job):
                 self._named.give(f"telegram.{self._jobs.pop(job)}.sent", now, self.name)
                 self._partner["sent"] += 1
-                self.heard(now)  # it was acknowledged: the partner is there
+                self.heard(now)  # it was acknowledged: the partner is alive
             case SendFailed(job):
                 name = self._jobs.pop(job)
                 self._named.give(f"telegram.{name}.failed", now, self.name)

@@ -1,7 +1,7 @@
-"""A local bus without a process: its clients, and one round of the loop that joins them.
+"""A local bus without a process: its clients, and one round of their common loop.
 
 Source: docs/architecture.md, "Buses and lines without hardware"; AX-092 (records), AX-093 (queues, gaps, refusals), AX-095 (log).
-Take what senders sent until they have no more, stamp it, hand each subscriber one batch.  Nothing here waits for a client.
+Read the senders until they have no more, stamp the records, pass each subscriber one batch.  Nothing here waits for a client.
 """
 
 import collections
@@ -36,7 +36,7 @@ UCRED = struct.Struct("=iII")  # pid, uid, gid: unix(7), SO_PEERCRED
 
 
 class Client:
-    """A sender and subscriber: its socket, and what waits for it."""
+    """A sender and subscriber: its socket, and its waiting messages."""
 
     def __init__(self, link: socket.socket, number: int) -> None:
         self.link = link
@@ -49,7 +49,7 @@ class Client:
         self.deaf = False  # its receiving end is gone; frames it sends are still accepted
 
     def offer(self, message: bytes) -> bool:
-        """Hand over or queue one message; True when the queue was empty before and is not now."""
+        """Send or queue one message; True when the queue was empty before and is not now."""
         if self.deaf:
             return False
         if not self.queue and self._send(message):
@@ -59,7 +59,7 @@ class Client:
         return len(self.queue) == 1
 
     def flush(self) -> bool:
-        """Send what waits, small messages joined to full ones; True when nothing waits any more."""
+        """Send the waiting messages, small ones joined to full ones; True when nothing waits any more."""
         while self.queue:
             batch = self._batch()
             if not self._send(batch):
@@ -132,7 +132,7 @@ class Broker:
         while True:
             try:
                 link, _ = self._listener.accept()
-            except OSError:  # nobody waits, or out of descriptors: the queue of the listener keeps them
+            except OSError:  # none waiting, or out of descriptors: the listener's queue keeps them
                 return
             link.setblocking(False)
             link.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
@@ -152,7 +152,7 @@ class Broker:
             except BlockingIOError:
                 return
             except ConnectionResetError:
-                continue  # it closed without reading our last words; what it sent before still waits
+                continue  # it closed without reading our last messages; those it sent before still wait
             except OSError as error:
                 return self._drop(client, error.strerror or str(error))
             if not message:
@@ -181,7 +181,7 @@ class Broker:
             self._out.append((client, b"".join(records), len(records)))
 
     def _pump(self) -> None:
-        """What a bus with a pace of its own hands over now (gateway.simulation.bus.wired_broker); this one kept nothing back."""
+        """Frames that a bus with a modelled pace delivers now (gateway.simulation.bus.wired_broker); this one delays none."""
 
     def _distribute(self) -> None:
         out, self._out = self._out, []

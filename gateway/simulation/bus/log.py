@@ -31,7 +31,7 @@ class LogPipe:
 
     def __init__(self, path: str, name: str, limit: int = LIMIT) -> None:
         try:
-            target = log_file(path, name, limit)  # handed to the child
+            target = log_file(path, name, limit)  # inherited by the child
         except OSError as error:
             raise PortError(f"log {path}: {error.strerror}") from error
         inside, outside = os.pipe2(os.O_CLOEXEC)
@@ -52,11 +52,11 @@ class LogPipe:
         self._gone = False
 
     def waiting(self) -> bool:
-        """Something is not yet handed to the child."""
+        """Some records have not reached the child."""
         return bool(self._waiting)
 
     def put(self, records: bytes) -> None:
-        """Log these records; handed over in batches."""
+        """Log these records, in batches."""
         if self._gone or self._bytes + len(records) > WAITING_RECORDS * RECORD_BYTES:
             self.lost += len(records) // RECORD_BYTES
             self._untold += len(records) // RECORD_BYTES

@@ -96,7 +96,7 @@ class WiredBroker(Broker):
         return self._nodes[client.number]
 
     def _drop(self, client: Client, why: str) -> None:
-        """What it still had to send is gone with it."""
+        """Its unsent frames are lost with it."""
         super()._drop(client, why)
         node = self._nodes.get(client.number)
         if node is not None and self._owners[node] is client:

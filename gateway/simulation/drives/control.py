@@ -140,7 +140,7 @@ class EmulatorControl:
         self._answers = self._link.makefile("rb")
 
     def ask(self, do: str, **arguments: object) -> Answer:
-        """One command.  Raises BadCommandError with the emulator's words, PortError when it is gone."""
+        """Send one command.  Raises BadCommandError with the emulator's words, PortError when it is gone."""
         try:
             self._link.sendall(json.dumps({"do": do, **arguments}).encode() + b"\n")
             line = self._answers.readline()

@@ -46,7 +46,7 @@ class CouplerLoop:
         self._stop = True
 
     def run(self) -> None:
-        """Until SIGTERM; a bus that is gone is opened again."""
+        """Until SIGTERM; a lost bus is reopened."""
         ready = False
         while not self._stop:
             now = time.monotonic_ns()

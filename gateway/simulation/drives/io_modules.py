@@ -15,7 +15,7 @@ PRIORITY = 20  # as the emulated drives
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Runs until SIGTERM; a bus that is gone is opened again."""
+    """Run until SIGTERM; a lost bus is reopened."""
     parser = argparse.ArgumentParser(prog="axisgate io_modules", description=__doc__)
     parser.add_argument("--bus", required=True, help="broker:NAME or socketcan:IFACE")
     parser.add_argument("--inputs", default="", help="identifier:bytes,... in the order of P31")
@@ -42,7 +42,7 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _serve(port: CanPort, modules: IoModules) -> None:
-    """Until the bus is gone."""
+    """Until the bus is lost."""
     try:
         while True:
             select.select([port], (), ())

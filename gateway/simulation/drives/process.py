@@ -141,7 +141,7 @@ class Emulator:
         ready = self._epoll.poll(self._timeout_s(self._now()))
         now = self._now()  # before the port is drained: frames stamped before now minus the grace are then already here
         synced = self._drain(now)
-        now = now if self._stretched is None else self._now()  # a SYNC that came lets time go on
+        now = now if self._stretched is None else self._now()  # a received SYNC lets time continue
         self.slave.wake(now - self.slave.grace_ns)
         self._send(now)
         if synced:
@@ -149,7 +149,7 @@ class Emulator:
         self._record(now)
         for fd, _ in ready:
             self.control.ready(fd)
-        self._send(now)  # what a command made them say
+        self._send(now)  # frames caused by a command
 
     def _now(self) -> Ns:
         """As the drives count it."""
@@ -175,7 +175,7 @@ class Emulator:
         if late is not None:
             due = late if due is None else min(due, late)
         if due is not None and self._stretched is not None and self._stretched.held(time.monotonic_ns()):
-            due = max(due, now + NAP_NS)  # what is due waits for the SYNC, or for the end of the patience with it
+            due = max(due, now + NAP_NS)  # due actions wait for the SYNC, or for the end of the wait for it
         return -1.0 if due is None else max(0, due - now) * 1e-9
 
     def _drain(self, now: Ns) -> bool:
@@ -258,7 +258,7 @@ class Emulator:
                 return self._carry_family(command)
 
     def _carry_family(self, command: Command) -> Answer:
-        """To the nodes what names one; of two families the state of both."""
+        """Pass to the nodes a command that names one; the state of two families combined."""
         slave = self.slave
         if isinstance(slave, BothFamilies):
             if command.get("do") == "state":
@@ -305,7 +305,7 @@ def load(options: argparse.Namespace) -> Slave:
 
 
 def stretched(options: argparse.Namespace) -> StretchedTime | None:
-    """Where the command line asks for it."""
+    """If the command line requests it."""
     return None if options.stretched is None else StretchedTime(ms(options.stretched), {SYNC_ID, cobid.SYNC})
 
 
@@ -320,7 +320,7 @@ def dictionaries(settings: BusSettings) -> dict[int, ObjectDictionary]:
 
 
 def families(slave: Slave) -> list[ServodynSlave | Cia402Slave]:
-    """Those that keep a record of their own."""
+    """Families with a record of their own."""
     return [slave.servodyn, slave.cia402] if isinstance(slave, BothFamilies) else [slave]
 
 

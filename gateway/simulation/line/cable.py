@@ -49,7 +49,7 @@ class Side:
         os.replace(fresh, self.link)
 
     def reads_marks(self) -> bool:
-        """The program at this side asked for marks; a foreign one reads characters as they are (AX-1400)."""
+        """Whether the program at this side requested marks; a foreign one reads characters as they are (AX-1400)."""
         return self._has_marks and self.inserted and marks_asked(self._slave)
 
     def take(self, wire: bytes) -> bool:

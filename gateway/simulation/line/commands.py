@@ -72,7 +72,7 @@ class ControlSocket:
 
 
 def carry_out(line: Line, command: Command) -> Answer:
-    """One command.  What has left the line before it is not touched by it."""
+    """One command.  Characters that have left the line before it are not affected."""
     line.move(time.monotonic_ns())
     match command.get("do"):
         case "unplug" | "plug" as what:

@@ -4,7 +4,7 @@
 
 Side A is runtime_dir()/NAME-a, side B NAME-b; ports open them as "pty:PATH".  Commands come as JSON lines through line-NAME.sock (client:
 gateway.simulation.line.control); format of the record and of marks: drivers.ports.serial.line_format.  Marks and doubled FF are for ports
-that ask for them (AX-1400); a foreign program reads characters as they are, and damage as a wrong character.  A --plain side offers no
+that ask for them (AX-1400); any other program reads characters as they are, and damage as a wrong character.  A --plain side offers no
 marks.  Prints `ready`.  Exit codes: 0 stopped, 2 wrong arguments, 3 name taken or no pty to be had.
 """
 
