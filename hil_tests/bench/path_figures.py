@@ -24,6 +24,7 @@ from motion.paths.spline import spline
 from motion.planner.joint_path import joint_path_of
 from motion.planner.planner import Planner
 from motion.planner.robot import Machine
+from motion.planner.round_corner import span
 from motion.program.slopes import earliest, frozen, overlap, ramped, summed
 from motion.program.text.reader import read
 from motion.timing import topp
@@ -134,12 +135,13 @@ def u_portal_wide() -> list[Figure]:
 def ptp_passing() -> Figure:
     """The U of the arm point to point, its points passed with half of the shorter block on each side (the most a P213 gives)."""
     legs, _, limits = lab.u_arm(0.0125)
+    axes = lab.arm()[1]
     places = [legs[0].q(0.0), *(leg.q(leg.length) for leg in legs)]
     lines = [joint_line(a, b) for a, b in itertools.pairwise(places)]
     corners: list[Rounded | None] = []
     for a, b in itertools.pairwise(lines):
         half = 0.5 * min(a.length, b.length)
-        corners.append(Rounded(half, half, joint_blend(a, a.length - half, b, half, 2 * half)))
+        corners.append(Rounded(half, half, joint_blend(a, a.length - half, b, half, span(a, b, half, axes))))
     stops = duration(fastest(lines, [None, None], limits)[0])
     share = duration(fastest(lines, corners, limits)[0]) / stops
     return row("motion.ptp_passing", share, "x exact stops", 0.85, "exact stops, same run", 1.0)

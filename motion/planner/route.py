@@ -32,6 +32,7 @@ from motion.planner.path_checks import check_range, check_speed
 from motion.planner.ranges import axis_range, first_at
 from motion.planner.relative import shown, unwound
 from motion.planner.robot import Machine
+from motion.planner.round_corner import span
 from motion.planner.spline_rows import curve_of, goes_on, legs_of, place_of
 from motion.planner.stretch import EMPTY, SMALLEST, Kind, Stretch, evenly, shaped
 from motion.planner.tool_speed import limited
@@ -61,6 +62,13 @@ class _State:
 
 
 RouteState = _State
+
+
+def _copied(state: _State) -> _State:
+    """Return the same as replace() without a change; each block needs two."""
+    made = object.__new__(_State)
+    vars(made).update(vars(state))
+    return made
 
 
 class Route:
@@ -126,11 +134,11 @@ class Route:
 
     def kept(self) -> "RouteState":
         """The state after the last block, to return to."""
-        return replace(self._now)
+        return _copied(self._now)
 
     def back_to(self, state: "RouteState") -> None:
         """As if nothing had been added since."""
-        self._now = replace(state)
+        self._now = _copied(state)
 
     def left(self) -> tuple[Called | Output, ...]:
         """Return the calls and outputs of blocks without way after the last one; the caller executes them."""
@@ -148,14 +156,14 @@ class Route:
         """
         row = self._now.splines
         if row and not (block is not None and block.kind is Interpolation.SPLINE and goes_on(row, block)):
-            kept = replace(self._now)
+            kept = _copied(self._now)
             try:
                 yield from self._end_splines()
             except MotionError as error:
                 raise self._undone(kept, kept.number, error) from error
 
     def _guarded(self, number: int, action: Callable[[], None]) -> None:
-        kept = replace(self._now)
+        kept = _copied(self._now)
         try:
             action()
         except MotionError as error:
@@ -321,7 +329,7 @@ class Route:
         self._main(last, last.length - leave)
         assert self._now.tail is not None
         here = self._now.tail.q(self._now.tail.length)
-        rounded = self._corner(last, leg, leave, reach)
+        rounded = self._corner(last, leg, leave, reach, here)
         if rounded is None:
             self._run_out(last)
             return 0.0
@@ -416,14 +424,14 @@ class Route:
         here = place(0.0)
         return first_at(lambda s: math.dist(place(s), here), distance, path.length)
 
-    def _corner(self, last: Leg, leg: Leg, leave: float, reach: float) -> JointPath | None:
-        """The rounded corner, or None where nothing can round it."""
+    def _corner(self, last: Leg, leg: Leg, leave: float, reach: float, here: Joints) -> JointPath | None:
+        """Return the rounded corner from `here`, or None where nothing can round it."""
         blend, tail = last.block.blend, self._now.tail
         assert tail is not None
-        here = tail.q(tail.length)
         try:
             if last.path is not None and leg.path is not None:
-                return limited(joint_blend(tail, tail.length, leg.path, reach, leave + reach), self._machine, last.block, leg.block)
+                length = span(last.path, leg.path, reach, self._machine.limits) if leave == reach else leave + reach
+                return limited(joint_blend(tail, tail.length, leg.path, reach, length), self._machine, last.block, leg.block)
             if (
                 last.curve is not None
                 and leg.curve is not None

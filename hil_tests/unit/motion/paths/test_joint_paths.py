@@ -16,6 +16,7 @@ from motion.paths.joints import JointPath, joined, joint_blend, joint_line, join
 from motion.paths.line import line
 from motion.paths.spline import spline
 from motion.planner.joint_path import joint_path_of
+from motion.planner.round_corner import span
 from motion.timing.jerk import jerk_limited
 from motion.timing.limits import law_limits
 
@@ -55,6 +56,14 @@ def test_the_corner_between_ptp_blocks_misses_the_point_by_the_closed_form() -> 
     u1, u2 = ((np.array(y) - np.array(x)) / np.max(np.abs(np.array(y) - np.array(x))) for x, y in ((A, B), (B, C)))
     middle = curve.at(np.array([0.05]))[0, :3] - np.array(B)
     assert np.abs(middle) == pytest.approx(MISS * 0.05 * np.abs(u2 - u1), abs=1e-12)
+
+
+def test_small_corners_bend_more_gently_and_others_as_before() -> None:
+    limits = portal_limits()  # a ramp takes 8 mm
+    across = (joint_line(A, (0.4, 0.0, 0.0)), joint_line((0.4, 0.0, 0.0), (0.4, 0.3, 0.0)))
+    assert span(*across, 0.016, limits) == pytest.approx(2 * 0.016 * 1.08) and span(*across, 0.064, limits) == 2 * 0.064
+    going_on = (joint_line(A, (0.4, 0.1, 0.0)), joint_line((0.4, 0.1, 0.0), (0.8, -0.1, 0.0)))
+    assert span(*going_on, 0.01, limits) == 2 * 0.01
 
 
 def test_parts_and_joints_of_paths_fit_and_misfits_are_refused() -> None:
