@@ -24,6 +24,7 @@ MOST_TURN = math.pi - 1e-9  # rad
 TURN_LOOKS = 8
 BINOMIAL = tuple(tuple(math.comb(k, i) for i in range(k + 1)) for k in range(6))
 FIVE = BINOMIAL[5]
+STILL: Row = (0.0,) * 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,9 +142,10 @@ def _straight(curve: Curve) -> bool:
 def _between_lines(into: Derivatives, out: Derivatives, point: Pose, leave: float, reach: float) -> Corner:
     back = transposed(point.rotation)
     u1, u2 = (*into.p1, *rotate(back, into.w)), (*out.p1, *rotate(back, out.w))
-    rows = tuple(
-        _bezier([-k * leave * a for k in (1.0, 0.6, 0.2)] + [k * reach * b for k in (0.2, 0.6, 1.0)]) for a, b in zip(u1, u2, strict=True)
-    )
+    rows = [
+        _bezier([-leave * a, -0.6 * leave * a, -0.2 * leave * a, 0.2 * reach * b, 0.6 * reach * b, reach * b]) if a or b else STILL
+        for a, b in zip(u1, u2, strict=True)
+    ]
     quintic = Polynomial(point, (rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]), 1.0)
     return Corner(quintic, leave, reach, 4 * leave * reach / (leave + reach), miss(into.p1, out.p1, leave, reach))
 

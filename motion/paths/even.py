@@ -5,6 +5,8 @@ Here s(u) slows down there: ds/du = 1 / r with r = sqrt(1 + (x / RATE - 1)^2) wh
 elsewhere, so that consecutive paths still fit each other.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,7 @@ from motion.paths.joints import DEGREE, JointPath
 
 Array = NDArray[np.float64]
 RATE = 25.0  # rad or m of the axes for each m of the way
+STEEPEST = 0.5 * DEGREE  # times the span an axis cannot leave in an interval: no polynomial goes faster than that
 CLOSE = 1e-9  # m or rad between both paths
 HALVINGS = 12  # of an interval, until they are so close
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(8)
@@ -20,6 +23,9 @@ LOOKS = np.array([0.15, 0.35, 0.5, 0.65, 0.85])
 
 def evened(path: JointPath) -> JointPath | None:
     """The same places by the new parameter; None where the axes swing nowhere, or no new parameter follows them."""
+    low, high = path.reach
+    if STEEPEST * math.sqrt(path.axes) * float((high - low).max()) <= RATE * float((path.knots[1:] - path.knots[:-1]).min()):
+        return None
     if max(_square(path.coefficients[:, 1, : path.axes]), _square(path.at(path.knots[-1:], 1)[:, : path.axes])) <= RATE * RATE:
         return None
     s = path.knots

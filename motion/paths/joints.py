@@ -8,6 +8,7 @@ quintic of motion.paths.corner in axis space; between unlike blocks a quintic jo
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -55,10 +56,14 @@ class JointPath:
             value += FACTORS[order][k] * rows[:, k] if order else rows[:, k]
         return value
 
-    @property
+    @cached_property
     def reach(self) -> tuple[Array, Array]:
         """(axes,) values none of the axes goes below, and above: not the nearest ones, but known at once."""
         table = self.coefficients[:, :, : self.axes]
+        if len(table) == 1:
+            h, rows = float(self.knots[-1]), table[0]
+            away = (np.abs(rows[1:]) * np.array([[h], [h**2], [h**3], [h**4], [h**5]])).sum(axis=0)
+            return rows[0] - away, rows[0] + away
         powers = (self.knots[1:] - self.knots[:-1])[:, None] ** RISING
         away = (np.abs(table[:, 1:]) * powers[:, :, None]).sum(axis=1)
         return (table[:, 0] - away).min(axis=0), (table[:, 0] + away).max(axis=0)
@@ -124,6 +129,9 @@ def joint_part(path: JointPath, start: float, end: float) -> JointPath:
 def shifted(rows: Array, u: float) -> Array:
     """Coefficients of the same polynomial about another point (Horner's scheme, repeated)."""
     result = rows.copy()
+    if not rows[2:].any():  # a straight way
+        result[0] += u * rows[1]
+        return result
     for i in range(DEGREE):
         for k in range(DEGREE - 1, i - 1, -1):
             result[k] += u * result[k + 1]

@@ -40,11 +40,14 @@ def tool_rows(
     the nearest one)."""
     h = end - start
     inside = [(share * h, weight, rate(start + share * h)) for share, weight in GAUSS]
-    rows = []
+    rows: list[Row] = []
     for k in (0, 1):
         found = [slopes[k] for _, _, slopes in inside]
         total = h * sum([weight * slope for (_, weight, _), slope in zip(inside, found, strict=True)])
         (first, bend), (last, last_bend) = [(each[k], each[k + 2]) for each in ends]
+        if not any((first, bend, last, last_bend, *found)):
+            rows.append((made[k], 0.0, 0.0, 0.0, 0.0, 0.0))
+            continue
         row = hermite(h, (made[k], first, bend), (made[k] + total, last, last_bend))
         low = LOW * max(first, last, *found)
         if not anyhow:

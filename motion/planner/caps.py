@@ -30,7 +30,8 @@ def block_caps(block: Block, path: JointPath, way: float, start: float, end: flo
     pace, caps = block.pace, []
     accel, decel = min(pace.accel * factors.acceleration, 1.0), min(pace.decel * factors.deceleration, 1.0)
     lead = _lead(block, path)
-    for n, axis in enumerate(machine.limits):
+    whole = lead is None and min(pace.speed * factors.velocity, accel, decel) >= 1.0
+    for n, axis in () if whole else enumerate(machine.limits):
         speed = pace.speed * factors.velocity if lead is None or lead == n else factors.velocity
         if speed < 1.0 or accel < 1.0 or decel < 1.0:
             caps.append(Cap(start, end, n, axis.speed * min(speed, 1.0), axis.accel * accel, axis.accel * decel))

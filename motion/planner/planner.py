@@ -8,6 +8,7 @@ on the path.  Pure: the caller passes the progress of the follower (tau, time at
 from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 
 from motion.errors import MotionError
 from motion.execution.timed import TimedPiece
@@ -47,6 +48,7 @@ LED_PIECES = 1.15  # times as many pieces: such a tail has more than the one bef
 FEW, FEW_LEADS = 4, 1.6  # and where not every fourth stretch is new, with more than so many leads ahead
 NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
+STOPS = attrgetter("stop")
 PASSED = 1e-6  # share of a block that may be left where a piece ends with it
 NO_WAY = "what the block begins or ends with needs a way: none is left behind it, and none before it"
 
@@ -79,7 +81,7 @@ class Planner:
     _tau: float = field(init=False, default=0.0)  # as of the last begin()
     _patience: float = field(init=False, default=1.0)  # times the lead, once a tail came too late
     _behind: deque[tuple[int, RouteState]] = field(init=False, default_factory=deque)  # blocks not done, and the route after each
-    _looked: tuple[float, Planned, tuple[int, float]] | None = field(init=False, default=None)  # tau, law, and place() there
+    _looked: deque[tuple[float, Planned, tuple[int, float]]] = field(init=False, default_factory=lambda: deque(maxlen=2))  # tau, law: place
     searched: bool = field(init=False, default=False)  # some block has BLOCK_SEARCH
     _given: int = field(init=False, default=0)  # last block of stretches another route made
 
@@ -277,7 +279,7 @@ class Planner:
         if ahead > max(horizon, 2.0 * self.lead_s * self._patience + self._carried()):
             return None
         if not self._planned or self._planned[-1].stops:
-            if not (known or hurry or ready < len(self._fresh) or any(stretch.stop for stretch in self._fresh)):
+            if not (known or hurry or ready < len(self._fresh) or any(map(STOPS, self._fresh))):
                 return None
             return self._from_rest(self._window(ready))
         cut = self._cut(tau)
@@ -320,9 +322,9 @@ class Planner:
         if row[-1].stop:
             row, *later = yield from quicker(row, self.machine, self._laws.seconds(self.factors), self.factors)
             self._back(stretch for part in later for stretch in part)
-        run = make_run(row, self.machine, self.factors)
         try:
             if row[-1].stop:
+                run = make_run(row, self.machine, self.factors)
                 pace = row[0].source.pace
                 if pace.time is not None and all(stretch.block == row[0].block for stretch in row):
                     law = time_given(run.path.length, pace.time, pace.ramp, width_s(run.limits))
@@ -421,9 +423,11 @@ class Planner:
                 self._done = self._route.added  # all without way: no law exists with which they could end
             return self._done, 1.0 if self._done else 0.0
         now = self._planned[0]
-        if self._looked is None or self._looked[0] != tau or self._looked[1] is not now:  # asked for several times a turn
-            self._looked = tau, now, now.run.place(now.s(tau))
-        block, share = self._looked[2]
+        looked = next((place for at, law, place in self._looked if at == tau and law is now), None)  # two are asked for, again and again
+        if looked is None:
+            looked = now.run.place(now.s(tau))
+            self._looked.append((tau, now, looked))
+        block, share = looked
         if tau >= self.end and now.stops and not self._fresh and self._work is None:
             block, share = (self.added if not self._route.pending else now.run.stretches[-1].block), 1.0
         self._done = max(self._done, block if share >= 1.0 else block - 1)

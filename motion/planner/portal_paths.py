@@ -2,6 +2,7 @@
 all, and the axes of the wrist are at rest."""
 
 import math
+from operator import mul
 
 from motion.geometry.frames import Pose
 from motion.kinematics.base import Joints, Kinematics
@@ -33,10 +34,11 @@ def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -
     q = kinematics.inverse(curve.at(0.0) @ flange, near)
     last = kinematics.inverse(curve.at(curve.length) @ flange, q)  # within reach and limits at both ends, so all along
     columns: list[Row] = []
+    powers = [scale**k for k in range(6)]
     for letter, value, there in zip(kinematics.letters, q, last, strict=True):
         if letter in "xyz":
             row = rows["xyz".index(letter)]
-            columns.append((value, *(c * scale**k for k, c in enumerate(row[1:], 1))))
+            columns.append((value, *map(mul, row[1:], powers[1:])) if any(row[1:]) else (value,))
         elif abs(there - value) <= STILL:
             columns.append((value,))
         else:
@@ -50,15 +52,20 @@ def exact_path(curve: Curve, kinematics: Kinematics, near: Joints, tool: Pose) -
 def _divided(columns: list[Row], length: float) -> JointPath:
     """The same polynomials in as many parts as the way of the tool needs to be true."""
 
-    moving = [row for row in columns if len(row) > 1]
+    moving = [row for row in columns if len(row) > 1]  # what adds no way to the tool's is left out
 
     def rate(s: float) -> Rate:
-        table = [slopes(row, s) for row in moving]
-        slope = math.sqrt(sum([first * first for first, _ in table]))
-        return Rate(slope, 0.0, sum([first * second for first, second in table]) / slope if slope > 0.0 else 0.0)
+        square = bend = 0.0
+        for row in moving:
+            first, second = slopes(row, s)
+            square += first * first
+            bend += first * second
+        slope = math.sqrt(square)
+        return Rate(slope, 0.0, bend / slope if slope > 0.0 else 0.0)
 
     knots, rows = [0.0], []
     for there, way, turn in divided(rate, 0.0, length, (0.0, 0.0), FINEST * length):
-        rows.append([*(tuple(about(row, knots[-1])) for row in columns), way, turn])
+        here = [tuple(about(row, knots[-1])) if len(row) > 1 else row for row in columns] if knots[-1] else columns
+        rows.append([*here, way, turn])
         knots.append(there)
     return joint_path(knots, rows)

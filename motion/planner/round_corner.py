@@ -1,5 +1,5 @@
-"""Length of the parameter of a corner between two straight paths of the axes.  The longer it is, the closer the corner comes to the point and
-the more gently it bends at its ends.
+"""Length of the parameter of a corner between two straight paths of the axes.  The longer it is, the closer the corner comes to the point,
+and the more gently it bends at its ends.
 
 A corner that is small compared with the distance of a full acceleration ramp is limited by jerk: the gentle ends gain more time there than
 the longer path costs (AX-1846).  A wide corner is limited by acceleration: there the longer path costs more.  An axis that keeps its

@@ -4,6 +4,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 import numpy as np
 
@@ -115,18 +116,21 @@ def _chained(paths: Sequence[JointPath], counting: int) -> JointPath:
     """Join like motion.paths.joints.joined, without checking the joins that the route made.  counting: last columns that keep counting
     from path to path.
     """
-    knots, tables, offset, counted = [np.zeros(1)], [], 0.0, np.zeros(counting)
-    for path in paths:
-        table = path.coefficients.copy()
-        shift = counted - table[0, 0, -counting:]
-        table[:, 0, -counting:] += shift
-        tables.append(table)
-        knots.append(path.knots[1:] + offset)
-        offset += path.length
-        u = float(path.knots[-1] - path.knots[-2])
-        last = table[-1, :, -counting:]
-        counted = ((((last[5] * u + last[4]) * u + last[3]) * u + last[2]) * u + last[1]) * u + last[0]
-    return JointPath(np.concatenate(knots), np.concatenate(tables))
+    table = np.concatenate([path.coefficients for path in paths])
+    counts, lengths = [len(path.coefficients) for path in paths], [path.length for path in paths]
+    ends = np.cumsum(counts)
+    last, first = table[ends - 1, :, -counting:], table[ends - counts, 0, -counting:]
+    u = np.array([path.knots[-1] - path.knots[-2] for path in paths])[:, None]
+    grows = ((((last[:, 5] * u + last[:, 4]) * u + last[:, 3]) * u + last[:, 2]) * u + last[:, 1]) * u
+    shifts, offsets = np.empty_like(first), list(accumulate(lengths, initial=0.0))
+    counted = np.zeros(counting)
+    for k in range(len(paths)):
+        shifts[k] = counted - first[k]
+        counted = grows[k] + (last[k, 0] + shifts[k])
+    table[:, 0, -counting:] += np.repeat(shifts, counts, axis=0)
+    knots = np.concatenate([np.zeros(1), *(path.knots[1:] for path in paths)])
+    knots[1:] += np.repeat(offsets[:-1], counts)
+    return JointPath(knots, table)
 
 
 def merged(caps: Sequence[Cap]) -> list[Cap]:

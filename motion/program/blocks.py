@@ -5,9 +5,8 @@ on this block, `reach` after it on the next.  What each of the three controls me
 (motion.program.passing, motion.program.reis, motion.val3); here everything is a number with a unit.
 """
 
-import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
@@ -377,9 +376,10 @@ Part = TypeVar("Part")
 
 def changed(part: Part, values: Mapping[str, object]) -> Part:
     """A copy of a frozen part with these fields changed, for callers that know them only by their names."""
-    made = copy.copy(part)
-    for name, value in values.items():
-        if not hasattr(part, name):
-            raise AttributeError(f"{type(part).__name__} has no field {name}")
-        object.__setattr__(made, name, value)
+    fields: Sequence[str] = getattr(part, "__slots__", ())
+    if unknown := values.keys() - set(fields):
+        raise AttributeError(f"{type(part).__name__} has no field {min(unknown)}")
+    made = object.__new__(type(part))
+    for name in fields:
+        object.__setattr__(made, name, values[name] if name in values else getattr(part, name))
     return made

@@ -58,6 +58,8 @@ class Away:
         """Check a block that moves one of them.  Raise BlockError before any motion if it leaves the window.  before, behind: (axes,)
         positions of the robot's axes, which are those of `mask`, before and after the block.
         """
+        if not self.axes:
+            return
         own = [n for n in range(mask.bit_length()) if mask >> n & 1]
         for axis, (place, start, end) in enumerate(zip(own, before, behind, strict=True)):
             least = self.windows[place] if place < len(self.windows) else MOVES

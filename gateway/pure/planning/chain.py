@@ -150,9 +150,10 @@ def _time_at(piece: TimedPiece, places: Sequence[float], way: float) -> float:
             return piece.duration
         there = places[piece.axes[column]]
     sign = 1.0 if piece.nodes[-1][3 * column] >= piece.nodes[0][3 * column] else -1.0
-    row = [sign * node[3 * column] for node in piece.nodes]
-    at = bisect_right(row, sign * there)
-    if at == 0 or at == len(row):
+    nodes, place = piece.nodes, 3 * column
+    at = bisect_right(nodes, sign * there, key=lambda node: sign * node[place])
+    if at == 0 or at == len(nodes):
         return piece.duration if at else 0.0
     before, after = piece.times[at - 1], piece.times[at]
-    return before + (after - before) * (sign * there - row[at - 1]) / (row[at] - row[at - 1])
+    low, high = (sign * node[place] for node in nodes[at - 1 : at + 1])
+    return before + (after - before) * (sign * there - low) / (high - low)

@@ -1,14 +1,13 @@
 """The last state published by the cycle, in the planner's form."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 ALWAYS = 1 << 62
 
 
-@dataclass(frozen=True, slots=True)
-class CycleView:
-    """Of one turn."""
+class CycleView(NamedTuple):
+    """Of one turn; a tuple, since one is made in each."""
 
     generation: int = 0
     piece: int = 0  # under way; 0: none

@@ -414,7 +414,7 @@ class Programs(HandingOn):
     def prepare(self, position: Sequence[float]) -> None:
         """One more line of it, or a slice of one: its block is tried from where the one before ends, and nothing of it moves meanwhile.
         standing: the axes, now."""
-        self._seen = replace(self._seen, position=position)
+        self._seen = self._seen._replace(position=position)
         if self._job.lines is not None and not self._reading.busy:
             self._reading.put(partial(self._line, self._job.lines))
         self._reading.go()

@@ -71,7 +71,7 @@ class CellSystems:
     @property
     def shown(self) -> Shown:
         """For the successor."""
-        return tuple(sorted((kinematic, system.values) for kinematic, system in self.active.items()))
+        return tuple(sorted((kinematic, system.values) for kinematic, system in self.active.items())) if self.active else ()
 
     def follows(self, before: Shown) -> None:
         """Adopt the last report of the previous planner."""

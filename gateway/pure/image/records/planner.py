@@ -326,7 +326,7 @@ class Answer(NamedTuple):
 ANSWERS = 4  # kept: the newest
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PlannerState:
     """job under way (0: none), block and share of its way, blocks that wait, pieces handed on; the last fault with its block."""
 
@@ -368,14 +368,10 @@ class PlannerState:
         return next(known, self)
 
 
-_FIELDS = tuple(PlannerState.__slots__)
-
-
 def restated(state: PlannerState, **said: object) -> PlannerState:
     """As replace(), which looks at every field: one is made in nearly every turn of the planner."""
     made = object.__new__(PlannerState)
-    for name in _FIELDS:
-        object.__setattr__(made, name, said[name] if name in said else getattr(state, name))
+    vars(made).update(vars(state), **said)
     return made
 
 
@@ -395,8 +391,7 @@ def pack_planner(state: PlannerState) -> bytes:
 
 
 def _fields_of(state: PlannerState) -> dict[str, object]:
-    fields = {name: getattr(state, name) for name in PlannerState.__slots__}
-    fields |= {"fault": state.fault[:WORDS], "warning": state.warning[:WORDS]}
+    fields = vars(state) | {"fault": state.fault[:WORDS], "warning": state.warning[:WORDS]}
     return fields | {"others": [_fields_of(other) for other in state.others]}
 
 

@@ -14,7 +14,7 @@ from hil_tests.lab.virtual.stream_bench import StreamBench
 from motion.timing import topp
 
 TIMED = {"stream.starved", "stream.speed", "stream.first_ms", "stream.answer_ms"}
-BLOCKS, MOST_CALLS = 100, 2600
+BLOCKS, MOST_CALLS = 100, 1800
 COSTS = {"lanes.step_ratio", "stream.blocks_per_s"}
 
 
