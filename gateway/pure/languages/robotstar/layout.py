@@ -10,6 +10,7 @@ _HEADED = re.compile(r"S?1[.:)]?\s+(?:MPR?|SPR?|MAC|PAL|PLC)\s", re.IGNORECASE)
 _LEFT = re.compile(r"^(\s*S?\d+[.:)]?\s+.*?|\s+\S.*?)\s+[|¦]\s*$")
 _NUMBERED = re.compile(r"^\s*\W{0,2}\s*S?\d+\s*[.:)]?(\s|$)", re.IGNORECASE)
 _MISREAD = re.compile(r"^(\s*S?)(?=[\dOolI]*\d)([\dOolI]{1,4})(\s+[^\W\d])")
+_OPEN_NAME = re.compile(r"(?<!#)<\s*\w[^<>]*$")  # POSITION <over the gripping
 _COMMENT = re.compile(r"^\s*S?\d+\s*[.:)]?\s+C\s", re.IGNORECASE)
 _DESCRIPTOR = re.compile(r"^\s*([A-Za-z]\w*(?:[- ]\w+)?)\s*:\s*\S")
 
@@ -98,6 +99,8 @@ def _continues(before: str, line: str, is_descriptor: Callable[[str], bool], is_
     if not _NUMBERED.match(before) or _NUMBERED.match(line) or not line.strip() or line.lstrip().startswith(("|", "`", "*", "#")):
         return False
     words = line.split()
+    if _OPEN_NAME.search(before):
+        return ">" in line
     if before.rstrip().endswith(","):
         return not is_command(words[0])
     if _COMMENT.match(before):

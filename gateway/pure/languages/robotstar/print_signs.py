@@ -27,6 +27,7 @@ _OPEN_LOST = re.compile(r"(?<![\w.\[])(_?[IRVPTS]\w*?)[l1|](\d+)\]")
 _ROUND = re.compile(r"(?<![\w.])(_[A-Z]\w*)\((\w+)\)")
 _CLOSE_LOST = re.compile(r"(\w\[\w+)(?=\s*(?:,|$))")
 _DASH = re.compile(r"(?<=[,:])(\s*)(?:-|_ )(?=[A-Z]\w*\[)")
+_LOST_LINE = re.compile(r"(?:(?<=[,:])|(?<=^))(\s*[IRVPTS]) (?=[A-Z]\w+\s*(?:,|\[|$))")  # V ZP_EP3
 _SIGNED = re.compile(r"(?:(?<=[,:])|(?<=^))(\s*[-+]) +(?=\d)")
 _POINT = re.compile(r"(?:(?<=^)|(?<=[,:\s]))(\d+)\.(?=_?[IRVPTS]_?\w*[A-Z])")
 _QUANTITY = (
@@ -84,11 +85,12 @@ def _is_equate(text: str, wanted: set[str], words: Words) -> bool:
 
 
 def operands(text: str) -> str:
-    """Brackets of an index, - for _, a blank behind a sign, a point for the comma behind a whole number."""
+    """Brackets of an index, - or a blank for _, a blank behind a sign, a point for the comma behind a whole number."""
     text = _OPEN_LOST.sub(r"\1[\2]", text)
     text = _ROUND.sub(r"\1[\2]", text)
     text = _CLOSE_LOST.sub(r"\1]", text)
     text = _DASH.sub(r"\1_", text)
+    text = _LOST_LINE.sub(r"\1_", text)
     text = _SIGNED.sub(r"\1", text)
     return _POINT.sub(r"\1,", text)
 

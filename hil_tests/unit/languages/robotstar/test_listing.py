@@ -269,6 +269,7 @@ def test_decimal_commas_of_a_position_without_commas_between_its_values() -> Non
         ('PALLET Prog name:,,PAT",#0N', 'PALLET Prog_name:"PAT",#ON'),
         ("KOPIERE - 5,-SPSl54]", "KOPIERE -5,_SPS[54]"),
         ("KOPIERE Quelle: - 5,Ziel Var:_SPS(54)", "KOPIERE Quelle: -5,Ziel_Var:_SPS[54]"),
+        ("LOK_VAR name:V ZP_EP3", "LOK_VAR name:V_ZP_EP3"),
         ("ADD 1.I_A[3", "ADD 1,I_A[3]"),
         ("POSITION #N X=1.0 Y=2.0 Z=3.0 A=0 B=0 C=0", "POSITION #N, X:1.0, Y:2.0, Z:3.0, A:0, B:0, C:0"),
         ("POSITION #N, X;1.0, Y:- 2.0, 2:3.0, A:0, 8:0, C:0", "POSITION #N, X:1.0, Y:-2.0, Z:3.0, A:0, B:0, C:0"),
@@ -282,6 +283,12 @@ def test_signs_of_a_print_are_put_right_and_named(printed: str, meant: str) -> N
     word, _, rest = printed.partition(" ")
     assert found.files["M.MPR"].splitlines()[1][5:] == meant
     assert [note.text for note in found.notes] == [f"{rest} is read as {meant.removeprefix(word).strip()}"]
+
+
+def test_the_name_of_a_point_is_broken_into_two_lines() -> None:
+    text = "1 MPR M\n2 TOOL T\n3 POSITION <over the\n             gripper>\n4 END\n"
+    found = import_listing(text, WORDS, {"OVER THE GRIPPER": "X:1, Y:2, Z:3, A:0, B:0, C:0"})
+    assert found.files["M.MPR"].splitlines()[2][5:] == "POSITION #N, X:1, Y:2, Z:3, A:0, B:0, C:0"
 
 
 def test_commands_in_two_words() -> None:
