@@ -99,11 +99,11 @@ class Translator:
                     if isinstance(wrong := step_of(line, 1), Wrong):
                         raise NoCounterpart(f"{wrong.text}; {wrong.hint}")
             except NoCounterpart as reason:
-                del self.lines[self.lines.index(f"M {statement.label}", before) + 1 if statement.label else before :]  # jumps go on
+                label, made = f"M {statement.label}", self.lines[before:]
+                del self.lines[before + (made.index(label) + 1 if label in made else 0) :]  # jumps to the label go on
                 self._refuse(statement, str(reason))
         self._close_or()
-        tail = [f"M {END}"] if self._ends else []
-        return "\n".join([f"PLC {self.block.name}", *self.lines, *tail, "END", ""])
+        return "\n".join([f"PLC {self.block.name}", *self.lines, *([f"M {END}"] if self._ends else []), "END", ""])
 
     def _refuse(self, statement: Statement, reason: str) -> None:
         self.refused.append(Refused(statement.line, self.block.name, statement.text[:100], reason))
