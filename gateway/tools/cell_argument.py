@@ -1,4 +1,4 @@
-"""The cell file a command was given, with a report of its faults.  Commands that need no cell do not load what checks one."""
+"""The cell file argument of a command, with a report of its faults.  Commands that need no cell do not load the checks."""
 
 import sys
 

@@ -1,4 +1,6 @@
-"""A commissioning command's end of the tool command source: connects to a running cell, or runs the cell under simulation meanwhile."""
+"""A commissioning command's end of the tool command source: connects to a running cell, or runs the cell under simulation for the duration
+of the command.
+"""
 
 import contextlib
 import json
@@ -27,7 +29,7 @@ ENDING = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and a polite end
 
 
 class ToolError(Exception):
-    """What the cell would not do, in a sentence."""
+    """A refusal of the cell, in a sentence."""
 
 
 @contextlib.contextmanager
@@ -182,8 +184,8 @@ def running(run: str) -> Iterator[ToolClient]:
 def simulated(cell: str, p5_ms: int | None = None, bus: str | None = None) -> Iterator[tuple[ToolClient, pathlib.Path]]:
     """The cell under simulation in a runtime folder of its own, and the folder of its records.
 
-    `p5_ms`: plays by the clock of the wall; without it simulated time waits for a late machine (AX-681).
-    `bus`: a CAN port in place of the broker.
+    `p5_ms`: runs in real time; without it simulated time waits for a late machine (AX-681).
+    `bus`: a CAN port instead of the broker.
     """
     before = os.environ.get("AXISGATE_RUNTIME")
     with tempfile.TemporaryDirectory(prefix="axg-", dir="/tmp") as folder:

@@ -1,4 +1,4 @@
-"""What the commands share: exit codes, the banner, a polite end.  It loads nothing."""
+"""Common parts of the commands: exit codes, the banner, an orderly end.  Loads nothing."""
 
 import contextlib
 import signal
@@ -15,13 +15,13 @@ BANNER = (
 
 
 def of_file(error: Exception) -> str:
-    """What is wrong with a file, without the number that Python puts before it."""
+    """Fault of a file, without the errno that Python puts before it."""
     return f"{error.filename}: {error.strerror}" if isinstance(error, OSError) and error.filename and error.strerror else str(error)
 
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
-    """Ctrl-C, or a polite end, no longer ends the command: it asks whether that came."""
+    """Within the block Ctrl-C and SIGTERM do not end the command; the yielded function reports whether one came."""
     came: list[int] = []
     numbers = (signal.SIGINT, signal.SIGTERM)
     before = [signal.signal(number, lambda got, frame: came.append(got)) for number in numbers]

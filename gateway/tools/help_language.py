@@ -10,7 +10,7 @@ USAGE, AUFRUF = "usage: ", "Aufruf: "
 EXAMPLE = re.compile(
     r"(\s*(?:axisgate|tshark) .*?\S\s{2,}|\s+)(\S.*)"
 )  # a command with its explanation after two spaces, or an indented line
-COMMAND = re.compile(r"\s*(axisgate|tshark|source|--)\b")  # what is typed has no language
+COMMAND = re.compile(r"\s*(axisgate|tshark|source|--)\b")  # typed text has no language
 
 FormatHelp = Callable[[argparse.ArgumentParser], str]
 
@@ -36,7 +36,7 @@ def german_help(format_help: FormatHelp) -> FormatHelp:
 
 
 def actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """What the help of a parser lists: its options and arguments, and the tools below them."""
+    """Entries of a parser's help: its options and arguments, and the tools below them."""
     for action in parser._actions:
         yield action
         if isinstance(action, argparse._SubParsersAction):
@@ -49,7 +49,7 @@ def paragraphs(description: str) -> list[str]:
 
 
 def explained(line: str) -> str:
-    """The words of a line of the examples; empty where it is only what is typed."""
+    """The explanation in a line of the examples; empty if the line is only typed text."""
     found = EXAMPLE.fullmatch(line)
     words = found[2] if found else line
     return "" if COMMAND.match(words) or not words.strip() else words

@@ -1,6 +1,6 @@
 """Mapping tables as rows: data blocks, their entries, routes, symbols; to and from CSV text and the assignment list of STEP 5 (AX-405).
 
-CSV: semicolon, decimal comma, first line the column names; what users of a German spreadsheet save.  Z0.SEQ: operand, symbol and comment of
+CSV: semicolon, decimal comma, first line the column names; as saved by a German spreadsheet.  Z0.SEQ: operand, symbol and comment of
 one line, between them a tabulator or at least two blanks.
 """
 
@@ -170,7 +170,7 @@ def to_toml(rows: Sequence[Row]) -> str:
 
 
 def _guessed(entries: Sequence[Row]) -> Row:
-    """A block no row of its own describes: as long as its last entry says, ours where every entry is."""
+    """A block without a row of its own: its length follows from its last entry, and it is ours if every entry is."""
     first, ours = entries[0], all(row.from_ for row in entries)
     words = 1 + max(_last_word(row.at) for row in entries)
     return Row("block", first.block, first.kind, first.line, words=str(words), writer="axisgate" if ours else "plc")

@@ -59,7 +59,7 @@ def steps(what: str, items: Iterable[T]) -> Iterator[T]:
 
 
 def waited(what: str, seconds: float) -> None:
-    """Sleeps so long."""
+    """Sleep for this time."""
     with Progress(what, seconds) as done:
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0.0:

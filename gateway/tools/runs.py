@@ -1,4 +1,4 @@
-"""Active runs of this computer, asked at the supervisor's own socket: it answers also while the services are down."""
+"""Active runs of this computer, from the supervisors' own sockets: they answer also while the services are down."""
 
 import contextlib
 import json
@@ -50,7 +50,7 @@ def chosen(command: str, name: str | None) -> str | None:
 
 
 def not_chosen(name: str | None, up: list[str], choose: str) -> str:
-    """Why that name, or none, does not mean one of these active runs, and what to type: `choose` where there are several."""
+    """Why that name, or none, does not select one of these active runs, and what to type: `choose` if there are several."""
     if not up:
         return f"no run is active; start one with: {START}"
     return f"{f'no run {name!r} is active' if name else 'several runs are active'}; active: {', '.join(up)}; choose one: {choose}"

@@ -1,5 +1,5 @@
-"""What the commands say of the command line and of their faults, in the user's language (AX-1795): what argparse and the commands say in
-English has its German in `configs/texts/usage.toml`, their help in `help.toml`.
+"""Messages of the commands about the command line and their faults, in the user's language (AX-1795): English messages of argparse and the
+commands have their German in `configs/texts/usage.toml`, their help in `help.toml`.
 """
 
 import argparse
@@ -64,7 +64,7 @@ def fault_text(fault: SourceFault, said: Callable[[str], str] = report_text) -> 
 
 
 def complain(command: str, fault: object) -> None:
-    """Report on standard error why a command cannot do what it was given."""
+    """Report on standard error why a command cannot do its task."""
     words = of_file(fault) if isinstance(fault, Exception) else str(fault)
     print(f"axisgate {command}: {usage_text(words)}", file=sys.stderr)
 

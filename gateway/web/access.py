@@ -76,7 +76,7 @@ class Access:
         self.patience = Patience()
 
     def person(self, request: HTTPConnection) -> Person:
-        """By token, else by cookie, else by address.  Denied 401: a token or session that is none."""
+        """By token, else by cookie, else by address.  Denied 401: an invalid token or session."""
         source = request.client.host if request.client else ""
         local = is_local(source)
         bearer = request.headers.get("authorization", "")
@@ -106,7 +106,7 @@ class Access:
             raise Denied(421, f"host {asked!r} is not served here; [web] names lists what is")
 
     def origin(self, request: HTTPConnection) -> None:
-        """A browser names the page a request comes from: only our own may change anything or listen."""
+        """A browser names the page a request comes from: only our own may change or receive anything."""
         origin = request.headers.get("origin")
         if origin is None:
             return
@@ -133,7 +133,7 @@ class Access:
 
 
 def is_local(address: str) -> bool:
-    """Of this computer."""
+    """A request from this computer."""
     return _is_address(address) and ipaddress.ip_address(address).is_loopback
 
 

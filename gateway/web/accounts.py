@@ -1,4 +1,4 @@
-"""Sessions, users and tokens: handlers of the interface; the first password, login, and what an administrator changes."""
+"""Sessions, users and tokens: handlers of the interface for the first password, login, and changes by an administrator."""
 
 import asyncio
 from collections.abc import Awaitable, Callable
@@ -16,7 +16,7 @@ Row = dict[str, Any]
 
 
 class Accounts:
-    """Who may log in.  `judge` ends what changed users had open."""
+    """Users and logins.  `judge` closes the connections of changed users."""
 
     def __init__(self, access: Access, operator_control: OperatorControl) -> None:
         self.access, self.operator_control = access, operator_control

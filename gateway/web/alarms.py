@@ -1,4 +1,4 @@
-"""The history of alarms as the page asks for it: filtered, or as a file."""
+"""The history of alarms for the page: filtered, or as a file."""
 
 import asyncio
 import json
@@ -43,7 +43,7 @@ class AlarmHistory:
         return {"alarms": shown, "total": len(fitting), "sources": sources}
 
     async def file(self, query: Mapping[str, str]) -> Response:
-        """What fits, as CSV or JSON."""
+        """Matching alarms, as CSV or JSON."""
         kind = query.get("as", "csv")
         if kind not in KINDS:
             raise ValueError(f"as: {', '.join(KINDS)}")

@@ -49,7 +49,7 @@ KINDS = {"scope": "application/octet-stream", "csv": "text/csv", "mf4": "applica
 
 
 class Api:
-    """What the page can ask and order."""
+    """Requests and orders of the page."""
 
     def __init__(self, live: Live, names: Names, access: Access, cell: Row) -> None:
         self.live, self.names, self.access, self.cell = live, names, access, cell
@@ -301,7 +301,7 @@ def seconds_of(text: str) -> float:
 
 
 def plc_endpoints(api: Api) -> list[Endpoint]:
-    """Of the integrated PLC and of a VAL 3 application."""
+    """Endpoints of the integrated PLC and of a VAL 3 application."""
     v, o, s = Role.VIEWER, Role.OPERATOR, Role.SETTER
     row = Endpoint
     return [

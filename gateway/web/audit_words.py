@@ -56,7 +56,7 @@ ORDERS: dict[str, Words] = {
     "web user password": ("changed the password of {name}", "Passwort von {name} geändert"),
     "web user remove": ("removed user {name}", "Benutzer {name} entfernt"),
 }
-BY_KIND: dict[str, dict[str, Words]] = {  # of what an order says, and in which of its fields
+BY_KIND: dict[str, dict[str, Words]] = {  # words for an order, and the field they depend on
     "POST /api/permit on": {
         "True": ("set the enabling inputs of the simulation", "Freigaben der Simulation gesetzt"),
         "False": ("cleared the enabling inputs of the simulation", "Freigaben der Simulation gelöscht"),

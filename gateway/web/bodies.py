@@ -45,7 +45,7 @@ class ProgramName(Body):
 
 
 class Val3Act(Body):
-    """What an operator does with a VAL 3 application."""
+    """An operator's action in a VAL 3 application."""
 
     act: Literal["event", "enter", "answer", "key", "set", "connect", "hold", "mode", "speed", "ratio"]
     what: Annotated[str, Field(max_length=128)] = ""  # object of the user page, or variable
@@ -114,7 +114,7 @@ Channel = Annotated[str, Field(min_length=1, max_length=80)]
 
 
 class Record(Body):
-    """What the scope is to keep: up to 16 channels, from the trigger on, with what was before it."""
+    """A scope recording: up to 16 channels, from the trigger on, including values before it."""
 
     channels: Annotated[list[Channel], Field(min_length=1, max_length=16)]
     seconds: float = Field(default=5.0, ge=0.01, le=600.0)
@@ -124,7 +124,7 @@ class Record(Body):
 
 
 class FileName(Body):
-    """Of a recording; no path."""
+    """Name of a recording; no path."""
 
     name: Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[A-Za-z0-9][A-Za-z0-9_+-]*$")]
 

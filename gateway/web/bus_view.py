@@ -25,7 +25,7 @@ Row = dict[str, Any]
 
 @dataclass(slots=True)
 class Identifier:
-    """What one identifier does."""
+    """Statistics of one identifier."""
 
     count: int = 0
     last: Frame | None = None

@@ -1,4 +1,4 @@
-"""The error catalogue (AX-422) as the page asks for it."""
+"""The error catalogue (AX-422) for the page."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ OURS = "axisgate"
 
 
 def advice(code: int) -> dict[str, list[str]]:
-    """Cause, what to do and how it goes away, each English and German, of an error of the cell; {} for none.  Own ones are below 256."""
+    """Cause, remedy and reset of an error of the cell, each in English and German; {} for none.  Own ones are below 256."""
     entry = lookup(OURS, code) or lookup("rho3", code) or lookup("reis-servo", code)
     if entry is None:
         return {}
@@ -20,7 +20,7 @@ def advice(code: int) -> dict[str, list[str]]:
 
 
 def said(answer: dict[str, Any]) -> dict[str, Any]:
-    """A command's answer; a refused one with its sentence, English and German: what, where, and what to do."""
+    """A command's answer; a refused one with its sentence in English and German: fault, place, remedy."""
     code = int(answer.get("reason", 0))
     if "say" in answer or answer.get("state") not in ("REFUSED", "ABORTED") or code not in Reason.__members__.values():
         return answer

@@ -85,7 +85,7 @@ def _wiring() -> Spoken:
 
 
 def _both(text: str) -> list[str]:
-    """What `check` says, in the letters of a page."""
+    """Findings of `check`, in the letters of a page."""
     german = in_language(text, "de") if isinstance(text, Sentence) else spoken("check-notices").german(text)
     return [str(text), umlauts(german)]
 
@@ -115,7 +115,7 @@ def _bus(bus: Bus, url: str, *, listens: bool) -> Row:
 
 
 def wiring(cell: Cell) -> list[Row]:
-    """What is to be wired where, one row a connection: from, to and how in both languages."""
+    """Wiring, one row per connection: from, to and how in both languages."""
     rows: list[Row] = [
         {
             "from": f"line {line.name}",

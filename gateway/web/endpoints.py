@@ -16,7 +16,7 @@ from gateway.web.operator_control import NotYours
 from gateway.web.store import Role, StoreError
 
 BODY_LIMIT = 16384
-ALWAYS = ("/stop", "/setup", "/login", "/logout")  # also in read-only mode: who looks from elsewhere has to say who he is
+ALWAYS = ("/stop", "/setup", "/login", "/logout")  # also in read-only mode: a visitor from elsewhere must log in
 Row = dict[str, Any]
 
 
@@ -46,7 +46,7 @@ class Endpoint:
     body: type[BaseModel] | None = None
     changes: bool = False
     query: tuple[tuple[str, str], ...] = ()  # name, type in the schema
-    plant: bool = False  # the emulator panel's: nobody's machine moves, so here on loopback a viewer may
+    plant: bool = False  # the emulator panel's: no machine moves, so on loopback a viewer may use it
 
 
 def routes(endpoints: list[Endpoint], access: Access) -> list[Route]:
@@ -61,7 +61,7 @@ def _answerer(endpoint: Endpoint, access: Access) -> Callable[[Request], Awaitab
             body = await _body(endpoint, request)
             result = await endpoint.handler(Call(person, body, dict(request.query_params), request.path_params, request))
         except ClientDisconnect:
-            return Response(status_code=400)  # nobody is there to read it
+            return Response(status_code=400)  # the client is gone
         except Denied as denied:
             return _no(denied.status, denied.words)
         except ValidationError as error:
@@ -119,7 +119,7 @@ async def _body(endpoint: Endpoint, request: Request) -> BaseModel | None:
 
 
 def _kept(body: BaseModel | None) -> Row:
-    """What the audit keeps of a body: no password."""
+    """The audited part of a body: no password."""
     return {} if body is None else {key: value for key, value in body.model_dump().items() if key != "password"}
 
 

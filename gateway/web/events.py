@@ -21,7 +21,7 @@ class Events:
         self.number = 0
 
     def look(self) -> None:
-        """Read what is new; a journal that was turned over is followed into the new file."""
+        """Read new entries; a rotated journal is followed into the new file."""
         for line in self._reader.lines():
             self._take(line)
 

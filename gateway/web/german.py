@@ -22,7 +22,7 @@ SHARP = re.compile(  # after these, and before these, ss is a sharp s
 
 
 def umlauts(words: str) -> str:
-    """`pruefen` is `prüfen`, `Steuerung` and `Quelle` stay what they are."""
+    """`pruefen` becomes `prüfen`; `Steuerung` and `Quelle` stay unchanged."""
     return re.sub(r"[^\W\d_]+", lambda found: _word(found[0]), words)
 
 

@@ -1,4 +1,4 @@
-"""The lines of a run and its Modbus servers in words, out of what the services' taps kept; lines as `axisgate line monitor` does."""
+"""The lines of a run and its Modbus servers in words, from the services' taps; lines as in `axisgate line monitor`."""
 
 from collections import deque
 from typing import Any
@@ -18,7 +18,7 @@ Row = dict[str, Any]
 
 
 def asked_links(status: Row) -> list[Row]:
-    """Modbus clients and couplers of the services' status, one row a link: its name, whether all its devices answer, what is refused."""
+    """Modbus clients and couplers of the services' status, one row per link: its name, whether all its devices answer, its refusals."""
     found: dict[str, Row] = {**status.get("modbus_clients", {}), **status.get("modbus_couplers", {})}
     return [
         {
@@ -33,7 +33,7 @@ def asked_links(status: Row) -> list[Row]:
 
 
 def shown_sources(status: Row) -> list[Row]:
-    """Command sources of the services' status, what they say in both languages."""
+    """Command sources of the services' status, their texts in both languages."""
     return [
         {**source, **{key: says(str(source[key])) for key in SAID if source.get(key)}, "because": _reason(source)}
         for source in status.get("command_sources", [])
@@ -63,7 +63,7 @@ class LineViews:
         answer = await self._services_link.ask("tap", since=self._seen)
         for take, found in ((self._take, answer["lines"]), (self._take_modbus, answer["modbus"])):
             for line, pieces in found.items():
-                if pieces and pieces[-1][0] < self._seen.get(line, 0):  # the services were restarted and count anew
+                if pieces and pieces[-1][0] < self._seen.get(line, 0):  # the services were restarted and count from 0
                     self._seen.pop(line)
                 take(line, pieces)
         return {line: list(rows)[-SHOWN:] for line, rows in self._kept.items()}

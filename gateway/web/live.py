@@ -33,7 +33,7 @@ from gateway.web.trends import Trends
 from gateway.web.val3_view import Val3View
 
 TICK_S = 0.1
-TREND_TICKS = 10  # one look a second, whether somebody watches or not
+TREND_TICKS = 10  # one look a second, with or without viewers
 MOST_WATCHED = 400  # values of one page
 Row = dict[str, Any]
 Look = Callable[[], Awaitable[Row]]
@@ -53,7 +53,7 @@ class Viewer:
 
 @dataclass(slots=True)
 class Topic:
-    """What one page shows: how it is looked up, every how many ticks, and the last text of it."""
+    """Content of one page: its lookup, its interval in ticks, and its last text."""
 
     look: Look
     every: int = 1
@@ -143,7 +143,7 @@ class Live:
             await self._watch()
         self.head = json.dumps(self._head(), separators=(",", ":"))
         for name in self.topics.keys() - pages:
-            self.topics[name].text = "null"  # who opens it next is not shown what was
+            self.topics[name].text = "null"  # a later viewer must not get the old text
         for name in pages & self.topics.keys():
             topic = self.topics[name]
             if self._ticks % topic.every == 0 or topic.text == "null":
@@ -162,7 +162,7 @@ class Live:
             topic.text, topic.version = text, topic.version + 1
 
     def text(self, viewer: Viewer) -> str:
-        """What this viewer is sent now: the head always, its page when it changed, its watched values."""
+        """Messages for this viewer: the head always, its page when it changed, its watched values."""
         topic = self.topics.get(viewer.page)
         page = "null"
         if topic is not None and viewer.versions.get(viewer.page) != topic.version:
@@ -186,7 +186,7 @@ class Live:
         head["errors"] = [self._with_texts(error) for error in head["errors"]]
         head["stop_text"] = [head["stop_text"][0], umlauts(head["stop_text"][1])]
         head["holder"] = self.operator_control.name
-        known = head["services_alive"]  # of services that are away nobody knows what their links do
+        known = head["services_alive"]  # without the services the state of their links is unknown
         head["links"] = [[source["name"], source["alive"] if known else None] for source in self.regions.status.get("command_sources", [])]
         head["links"] += [[link["name"], link["alive"] if known else None] for link in asked_links(self.regions.status)]
         return head

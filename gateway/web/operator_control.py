@@ -17,8 +17,8 @@ from gateway.pure.cell.cell import Axis
 from gateway.pure.image.records.cell import AxisFlag, Motion
 from gateway.web.store import Role
 
-ALIVE_S = 0.25  # so often the services learn from us that the holder is there
-HOLDER_S = 3.0  # and no longer when his browser has been silent for so long: a busy computer delays it
+ALIVE_S = 0.25  # interval of the holder's sign of life to the services
+HOLDER_S = 3.0  # it ends when his browser has been silent for so long: a busy computer delays it
 KEY_S = 0.4  # a key without a repeat for so long has been released
 SLOWEST, FASTEST = 0.1, 10.0  # % of the axis' speed a jog may have
 ROOM = 0.02  # share of the travel a jog keeps from the limit
@@ -47,7 +47,7 @@ class OperatorControl:
         self._held: Held | None = None
         self._held_heard = 0.0
         self._held_lock = asyncio.Lock()
-        self.role_of: Callable[[str], Role] = lambda key: Role.ADMIN  # what a key may now; Access knows
+        self.role_of: Callable[[str], Role] = lambda key: Role.ADMIN  # present role of a key, from Access
 
     # ---- life -----------------------------------------------------------------------------------------------------------
     async def run(self) -> None:
@@ -62,17 +62,17 @@ class OperatorControl:
                 with contextlib.suppress(Gone, Refused):
                     holder, answer = self.holder, await self.services_link.ask("alive")
                     if not answer["holds"] and holder == self.holder:
-                        self.holder = self.name = ""  # the services started anew, or somebody else has control
+                        self.holder = self.name = ""  # the services were restarted, or somebody else has control
 
     async def lose(self) -> None:
-        """The holder is gone, or may no longer: the services stop the axes on the path and end the page's control at rest."""
+        """The holder is gone, or has lost the permission: the services stop the axes on the path and end the page's control at rest."""
         self.holder = self.name = ""
         await self.forget()
         with contextlib.suppress(Gone, Refused):
             await self.services_link.ask("leave")
 
     def heard(self, key: str) -> None:
-        """The browser of this session is there."""
+        """The browser of this session is alive."""
         if key and key == self.holder:
             self._heard = time.monotonic()
 
@@ -118,12 +118,12 @@ class OperatorControl:
         self._heard = time.monotonic()
 
     async def job(self, number: int) -> Row:
-        """What became of a command."""
+        """Result of a command."""
         return await self.services_link.ask("job", job=number)
 
     # ---- hold to run ------------------------------------------------------------------------------------------------------
     async def jog(self, key: str, axis: int, direction: int, percent: float, *, first: bool = True) -> Row:
-        """The key was pressed (`first`): begins the move; it is still held: keeps it, and begins nothing that was ended meanwhile."""
+        """The key was pressed (`first`): start the move.  The key is still held: keep the move, but do not restart one that has ended."""
         speed = min(max(percent, SLOWEST), FASTEST)
         if self.speeds is not None and first and self._held is None:
             self.speeds.keys.press(axis, direction, time.monotonic())
@@ -189,7 +189,7 @@ class OperatorControl:
         return answer
 
     async def let_go(self) -> None:
-        """The key was released, or its browser is gone: stop on the path and forget the rest."""
+        """The key was released, or its browser is gone: stop on the path and drop the rest."""
         async with self._held_lock:
             if self._held is None:
                 return

@@ -78,7 +78,7 @@ class Define(ProgramName):
 
 
 class ProgramTests:
-    """Orders of one page to the interpreter; each waits for what became of it."""
+    """Orders of one page to the interpreter; each waits for its result."""
 
     def __init__(self, operator_control: Callable[[], OperatorControl]) -> None:
         self._look_up = operator_control
@@ -131,7 +131,7 @@ class ProgramTests:
         return await self._order(call, "define", name=body.name, point=body.point, value=body.value)
 
     async def value(self, call: Call) -> Row:
-        """A variable by its name, among what the page Programs shows."""
+        """A variable by its name, among those shown on the page Programs."""
         name = call.query.get("name", "")
         if not name or len(name) > 64:
             raise ValueError("name: that of a variable, at most 64 characters")
@@ -139,7 +139,7 @@ class ProgramTests:
         return {"ok": True}
 
     async def look(self, call: Call) -> Row:
-        """Its variables are among what the page Programs shows from then on, for some seconds."""
+        """Show its variables on the page Programs for some seconds."""
         run = call.query.get("run", "")
         if not run.isascii() or not run.isdigit() or len(run) > 10:
             raise ValueError("run: the number of a process")
@@ -148,7 +148,7 @@ class ProgramTests:
 
 
 def program_test_endpoints(tests: ProgramTests) -> list[Endpoint]:
-    """Of the test system."""
+    """Endpoints of the test system."""
     v, o, s = Role.VIEWER, Role.OPERATOR, Role.SETTER
     row = Endpoint
     return [

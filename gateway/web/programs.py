@@ -19,7 +19,7 @@ class ProgramView:
         self._language = language_in(cell)
 
     async def look(self) -> Row:
-        """What there is and what runs.  Gone, Refused."""
+        """The programs and the running ones.  Gone, Refused."""
         if self._language is None:
             return {"programs": [], "processes": [], "id": 0}
         found = await self._services_link.ask("process", do="list")

@@ -13,7 +13,7 @@ from motion.robot import Robot, ScaraGeometry, kinematics_of
 
 
 class Arm:
-    """One robot of configs/robots; raises what load_robot raises, MotionError."""
+    """One robot of configs/robots; raises the exceptions of load_robot, MotionError."""
 
     def __init__(self, model: str) -> None:
         self._robot = load_robot(model)

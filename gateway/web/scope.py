@@ -1,6 +1,6 @@
-"""The scope of the page: one recording at a time out of the cycle's ring, in this process (AX-497).
+"""The scope of the page: one recording at a time from the cycle's ring, in this process (AX-497).
 
-The ring holds 8 s at 2 ms; it is emptied twenty times a second.  What is kept is a gateway.scope.Recording: the page saves, reopens and
+The ring holds 8 s at 2 ms; it is emptied twenty times a second.  A recording is a gateway.scope.Recording: the page saves, reopens and
 exports the same files as `axisgate scope`.  numpy is loaded with the first recording, not with the page.
 """
 
@@ -58,13 +58,13 @@ class Scope:
         self._wanted: Wanted | None = None
         self._task: asyncio.Task[None] | None = None
         self.recording: Recording | None = None
-        self.number = 0  # of the recording: a page that has drawn it need not ask again
+        self.number = 0  # of the recording: a page that has drawn it need not request it again
         self.name = ""  # of the file it was saved in or reopened from
         self.why = ""  # why the last one ended early
 
     # ---- recording --------------------------------------------------------------------------------------------------------
     def names(self) -> Row:
-        """What can be recorded, by name, and every RC input and output; whether a recording runs and how many were shown."""
+        """Names that can be recorded, and every RC input and output; whether a recording runs and how many were shown."""
         signals = [signal.name for signal in self._signals.all if not signal.until]
         return {"channels": all_names(self._facts), "signals": signals, "running": self._kept is not None, "number": self.number}
 
@@ -80,7 +80,7 @@ class Scope:
         self._kept = self._keeper(wanted)
         self._wanted, self.why = wanted, ""
         while len(self._ring.take(AT_ONCE)) == AT_ONCE:
-            pass  # what was before the key was pressed
+            pass  # records before the key was pressed
         self._task = asyncio.create_task(self._run(self._kept))
 
     def _keeper(self, wanted: Wanted) -> Capture | Rolling:
@@ -93,7 +93,7 @@ class Scope:
         return Capture(self._channels, post, round(wanted.pre_s / self._period_s), trigger)
 
     async def stop(self) -> None:
-        """What came so far is kept."""
+        """The recording so far is kept."""
         if self._task is not None:
             self._task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
@@ -105,7 +105,7 @@ class Scope:
         while not kept.full:
             await asyncio.sleep(LOOK_S)
             records = self._ring.take(AT_ONCE)
-            if self._ring.generation != generation:  # its records count anew
+            if self._ring.generation != generation:  # its records count from 0
                 self._end("the cycle was restarted")
                 return
             for sequence, record in records:
@@ -149,7 +149,7 @@ class Scope:
         return row
 
     def _tail(self, kept: Capture | Rolling) -> Row:
-        """A thin picture of what is there while it grows: times in s, one list a channel."""
+        """A reduced view of a growing recording: times in s, one list per channel."""
         if isinstance(kept, Rolling):
             times, columns = kept.picture(DRAWN_ROLLING)
             return {"t": [round(moment, 4) for moment in times], "values": [[round(value, 5) for value in column] for column in columns]}

@@ -22,7 +22,7 @@ LATE = ["the connection is too slow to move an axis: release the key", "die Verb
 MOST_VIEWERS = 64
 LIFE = ("alive", "jog", "reference", "release")  # messages that show that the holder is there; reading does not
 JUDGED_S = 0.25  # users are also changed from the command line
-REFUSED, TOO_MANY = 4403, 4429  # close codes: the page asks for a login, or waits
+REFUSED, TOO_MANY = 4403, 4429  # close codes: the page requests a login, or waits
 
 
 class Sockets:
@@ -60,7 +60,7 @@ class Sockets:
             self.live.viewers.discard(viewer)
             self._open.pop(viewer, None)
             if person.key and person.key == self.operator_control.holder:
-                if viewer.holding:  # a finger whose browser is gone is lifted
+                if viewer.holding:  # a key of a lost browser is released
                     await self.operator_control.let_go()
                 if all(other.key != person.key for _, other in self._open.values()):  # control ends with the last page of the session
                     await self.operator_control.lose()
@@ -185,6 +185,6 @@ class Sockets:
 
 
 def _late(message: dict[str, Any]) -> bool:
-    """What a page sends carries the moment of the last look it was given: a key pressed on an old picture moves nothing."""
+    """A page's message carries the time of its last look: a key pressed on an old view moves nothing."""
     at = message.get("at")
     return at is not None and time.monotonic() * 1e3 - float(at) > LATE_MS

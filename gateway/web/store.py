@@ -26,7 +26,7 @@ SHORTEST = 10  # characters of a password
 SESSION_S = 12 * 3600
 MOST_KEPT = 100  # watch lists, and layouts
 MOST_WAITING = 1000  # entries of the audit that the disk has not accepted yet
-BEGIN = "0" * 64  # what the first entry of the audit follows
+BEGIN = "0" * 64  # predecessor of the first entry of the audit
 SCHEMA = """
 create table if not exists user (name text primary key, role integer not null, hash text not null);
 create table if not exists session (id text primary key, name text not null, csrf text not null, until real not null);
@@ -38,7 +38,7 @@ create table if not exists kept (kind text not null, name text not null, value t
 
 
 class Role(IntEnum):
-    """Who may do what; each may what those below it may."""
+    """Permissions; each role includes those below it."""
 
     NOBODY = 0
     VIEWER = 1
@@ -48,7 +48,7 @@ class Role(IntEnum):
 
 
 class StoreError(ValueError):
-    """What cannot be stored, in a sentence."""
+    """Reason why something cannot be stored, in a sentence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +171,7 @@ class Store:
 
     # ---- watch lists and layouts ------------------------------------------------------------------------------------------
     def kept(self, kind: str) -> list[dict[str, object]]:
-        """Names and what the page wrote, by name."""
+        """Names and data written by the page, by name."""
         rows = self._rows("select name, value from kept where kind = ? order by name collate nocase", kind)
         return [{"name": name, "value": value} for name, value in rows]
 

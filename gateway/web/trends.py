@@ -42,7 +42,7 @@ class Trends:
         self.take(time.monotonic())
 
     def take(self, at: float) -> None:
-        """What was looked up, as of now."""
+        """Take in the present values."""
         self.history.take(at, dict(self._changed()))
 
     def _changed(self) -> Iterator[tuple[str, float]]:

@@ -1,6 +1,6 @@
-"""User pages of VAL 3 applications, fit for the dashboard: no scripts, no handlers, nothing from elsewhere (AX-993).
+"""User pages of VAL 3 applications, fit for the dashboard: no scripts, no handlers, nothing from other hosts (AX-993).
 
-The page is shown in a sandboxed frame that runs no scripts; what is dropped here would not run there either.
+The page is shown in a sandboxed frame that runs no scripts; the parts removed here would not run there either.
 """
 
 import base64
@@ -27,7 +27,7 @@ Reader = Callable[[str], bytes | None]
 
 
 class _Cleaner(HTMLParser):
-    """Writes what may be shown."""
+    """Writes the permitted parts."""
 
     def __init__(self, read: Reader) -> None:
         super().__init__(convert_charrefs=True)

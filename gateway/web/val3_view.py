@@ -18,7 +18,7 @@ class Val3View:
         self._cell, self._services_link = cell, services_link
 
     async def look(self) -> Row:
-        """What the services know of it.  Gone, Refused."""
+        """State of the application in the services.  Gone, Refused."""
         if self._cell.val3 is None:
             return {"programs": [], "processes": [], "id": 0}
         return await self._services_link.ask("process", do="view")

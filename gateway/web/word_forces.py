@@ -1,4 +1,4 @@
-"""What a page asks to be forced: the value of a data word in its own type and unit, or a bit, as words with masks (AX-498)."""
+"""Force requests of a page: the value of a data word in its own type and unit, or a bit, as words with masks (AX-498)."""
 
 from gateway.observer.names import Entry
 from protocols.base.errors import ProtocolError
@@ -9,7 +9,7 @@ Words = tuple[int, list[list[int]]]  # block key, [word, mask, value]
 
 
 def forced_words(entry: Entry, value: str | None) -> Words:
-    """`value`: as the page shows it (1200.5, -3), or 0x.. for the bare word; None: only the masks are wanted.  ValueError."""
+    """`value`: as shown on the page (1200.5, -3), or 0x.. for the bare word; None: return only the masks.  ValueError."""
     kind, _, rest = entry.id.partition(":")
     if kind != "db":
         raise ValueError(f"{entry.name}: not a data word; RC inputs are forced by their number")

@@ -60,9 +60,9 @@ def _head(identifier: int, dlc: int, extended: bool, remote: bool) -> tuple[int,
 
 
 def stuff_bits(identifier: int, data: bytes = b"", *, extended: bool = False, remote: bool = False) -> int:
-    """How many stuff bits this very frame carries.
+    """Number of stuff bits of this frame.
 
-    identifier: 11 bits (29 when extended); data: 0..8 bytes, for a remote frame as many as it asks for.  ValueError on anything else.
+    identifier: 11 bits (29 when extended); data: 0..8 bytes, for a remote frame as many as it requests.  ValueError on anything else.
     """
     _check(identifier, len(data), extended)
     crc, state, count = _head(identifier, len(data), extended, remote)

@@ -1,7 +1,7 @@
-"""DBC text to plain layouts: messages (BO_) and their signals (SG_); all other sections are left aside.
+"""DBC text to plain layouts: messages (BO_) and their signals (SG_); all other sections are ignored.
 
-Only what a raw bit-field layout needs is taken: Intel byte order, factor 1, offset 0, no multiplexing.  Everything else is refused with
-file, line, message, signal and what was expected, all faults at once.
+Only the parts for a raw bit-field layout are accepted: Intel byte order, factor 1, offset 0, no multiplexing.  Everything else is refused
+with file, line, message, signal and expected form, all faults at once.
 """
 
 import re
@@ -85,7 +85,7 @@ def _signal(found: re.Match[str], where: str) -> Signal:
         raise ValueError(f"{where}: {bits} bits; expected 1..64")
     lowest, highest = (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) if signed else (0, (1 << bits) - 1)
     low, high = float(found[9]), float(found[10])
-    if low == high == 0.0:  # DBC for "no range given"
+    if low == high == 0.0:  # "no range given" in DBC
         low, high = lowest, highest
     if not (float(low).is_integer() and float(high).is_integer() and lowest <= low <= high <= highest):
         raise ValueError(f"{where}: range {found[9]}..{found[10]} does not fit {bits} bits; expected within {lowest}..{highest}")

@@ -1,4 +1,4 @@
-"""Base classes of what our callers do wrong; the partner's mistakes are events, never these."""
+"""Base classes for mistakes of our callers; the partner's mistakes are events, never these."""
 
 
 class ProtocolError(Exception):

@@ -1,6 +1,6 @@
-"""What every protocol machine of axisgate looks like: bytes (or frames) and time in, events and output out.
+"""Interface of every protocol machine of axisgate: bytes (or frames) and time in, events and output out.
 
-Time is an int of nanoseconds of one monotonic clock, handed in as `now`; a machine never asks a clock.
+Time is an int of nanoseconds of one monotonic clock, passed in as `now`; a machine never reads a clock.
 """
 
 from collections.abc import Sequence
@@ -28,13 +28,13 @@ class Damage(Enum):
 class Machine(Protocol[E_co]):
     """A byte protocol.  No method ever raises on what the partner sends."""
 
-    def receive(self, data: bytes, now: Ns) -> Sequence[E_co]: ...  # these bytes came in: what do they mean?
+    def receive(self, data: bytes, now: Ns) -> Sequence[E_co]: ...  # these bytes came in: return their events
     def damaged(self, kind: Damage, now: Ns) -> Sequence[E_co]: ...  # a spoiled character, in line order with the bytes
     def sent(self, now: Ns) -> Sequence[E_co]: ...  # all you gave me has left the line: answers are due from now
     def wake(self, now: Ns) -> Sequence[E_co]: ...  # time has passed: did anything expire?
     def deadline(self) -> Ns | None: ...  # call wake() then; None: no timer runs
     def take_output(self) -> bytes: ...  # send this, in this order, once
-    def lost(self, now: Ns) -> Sequence[E_co]: ...  # the port is gone: report open work, forget the rest
+    def lost(self, now: Ns) -> Sequence[E_co]: ...  # the port is lost: report open work, discard the rest
 
 
 class Frame(NamedTuple):

@@ -150,7 +150,7 @@ def _decode(kind: Step5Type, data: bytes) -> Value:
             return word
 
 
-# ---- what may be encoded
+# ---- permitted values
 def _whole(kind: Step5Type, value: Value, least: int, most: int) -> int:
     if not isinstance(value, int) or not least <= value <= most:
         raise EncodeError(f"{kind.value} = {value!r}, range {least}..{most}, whole number")

@@ -8,7 +8,7 @@ from enum import Enum, auto
 
 
 class Cause(Enum):
-    """What went wrong, as the RST sees it."""
+    """Cause of the fault, as seen by the RST."""
 
     TIME = auto()
     ATTEMPTS = auto()
@@ -34,7 +34,7 @@ class Fault:
         return f"{self.klass:02X}/{self.code:02X} {self.words}"
 
 
-REDUCED_LENGTH = 0x20  # not a fault: less than asked was transferred
+REDUCED_LENGTH = 0x20  # not a fault: less than requested was transferred
 FAULTS = {
     Cause.TIME: Fault(0x34, 0xF7, "time monitoring"),
     Cause.ATTEMPTS: Fault(0x34, 0xF9, "attempts exceeded"),

@@ -1,12 +1,12 @@
-"""Which identifier carries what.  Source: CiA 301 (4.2), 7.3.5 predefined connection set and restricted CAN-IDs; CiA 305 for LSS."""
+"""Identifiers and their meaning.  Source: CiA 301 (4.2), 7.3.5 predefined connection set and restricted CAN-IDs; CiA 305 for LSS."""
 
 NMT, SYNC, TIME = 0x000, 0x080, 0x100
-LSS_MASTER, LSS_SLAVE = 0x7E5, 0x7E4  # what the LSS master says, what the slaves answer
+LSS_MASTER, LSS_SLAVE = 0x7E5, 0x7E4  # requests of the LSS master, answers of the slaves
 MAX_NODE = 127
 
 # Bits of a COB-ID entry of the object dictionary (32 bits)
 INVALID = 1 << 31  # PDO, SDO, EMCY: does not exist
-NO_RTR = 1 << 30  # TPDO: must not be asked for by a remote frame
+NO_RTR = 1 << 30  # TPDO: a remote frame must not request it
 PRODUCER = 1 << 30  # 1005h: this device makes SYNC
 EXTENDED = 1 << 29  # 29-bit identifier
 ID_BITS = 0x7FF
@@ -51,7 +51,7 @@ def restricted(identifier: int) -> bool:
 
 
 def describe(identifier: int) -> str:
-    """What the predefined connection set puts on an identifier, for logs: "TPDO2 of node 5"."""
+    """Meaning of an identifier in the predefined connection set, for logs: "TPDO2 of node 5"."""
     fixed = {NMT: "NMT", SYNC: "SYNC", TIME: "TIME", LSS_MASTER: "LSS master", LSS_SLAVE: "LSS slave"}
     if identifier in fixed:
         return fixed[identifier]

@@ -59,7 +59,7 @@ class Entry:
         return self.type.zero if self.default is None else _moved(self.default, self.relative, node)
 
     def parameter_of(self, node: int) -> Value | None:
-        """The value a DCF wants, if it names one."""
+        """The value that a DCF sets, if it names one."""
         return None if self.parameter is None else _moved(self.parameter, self.parameter_relative, node)
 
     def __str__(self) -> str:

@@ -22,7 +22,7 @@ class Fault:
     line: int
     section: str
     what: str
-    taken: str  # what was done about it
+    taken: str  # treatment of the fault
 
     def __str__(self) -> str:
         return f"line {self.line}: [{self.section}] {self.what}; {self.taken}"
@@ -201,7 +201,7 @@ class _Reader:
             return None
         if code in TYPES:
             return TYPES[code]
-        own = self.sections.get(f"{code:x}sub1")  # a type with limits, as some editors write it: its real type is there
+        own = self.sections.get(f"{code:x}sub1")  # a type with limits, as some editors write it: this is its real type
         try:
             return TYPES[number_of(own.text("defaultvalue"))] if own else self._unknown_type(section, code)
         except (ValueError, KeyError):

@@ -1,4 +1,4 @@
-"""Emergency messages: form, error register, what the codes mean.
+"""Emergency messages: form, error register, meaning of the codes.
 
 Source: CiA 301, 7.2.7 and object 1001h; CiA 402-2 (IEC 61800-7-201), object 603Fh error code.
 """

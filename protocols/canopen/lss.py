@@ -43,7 +43,7 @@ class Mode(IntEnum):
 
 
 UNCONFIGURED_NODE = 255
-CONFIRM_SCAN = 128  # bit check of a FASTSCAN that only asks whether anybody is there
+CONFIRM_SCAN = 128  # bit check of a FASTSCAN that only checks whether any slave is there
 BIT_RATES = (1_000_000, 800_000, 500_000, 250_000, 125_000, None, 50_000, 20_000, 10_000)  # by table index, bit/s; 5 is reserved
 OK, OUT_OF_RANGE, STORE_UNSUPPORTED, STORE_FAILED = 0, 1, 1, 2
 

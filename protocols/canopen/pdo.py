@@ -9,7 +9,7 @@ TPDO_COMMUNICATION, TPDO_MAPPING = 0x1800, 0x1A00
 
 SYNC_ACYCLIC = 0  # with the next SYNC, when its event happened
 SYNC_LAST = 240  # 1..240: with every n-th SYNC
-RTR_SYNC, RTR_EVENT = 252, 253  # sampled with SYNC, at once; sent when asked for
+RTR_SYNC, RTR_EVENT = 252, 253  # sampled with SYNC, at once; sent on request
 EVENT_MANUFACTURER, EVENT_PROFILE = 254, 255
 
 

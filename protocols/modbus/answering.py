@@ -1,6 +1,6 @@
 """From a request PDU to its answer PDU.  Decisions are made here (validate, view); pymodbus' PDU classes decode and encode writes,
-reads, which are nearly all of the traffic, by a struct: half the time of a request went into the objects.  What is not a table
-(FC 7, 8, 11, 12, 17, 20, 21, 24, 43) is in protocols.modbus.special.
+reads, which are nearly all of the traffic, by a struct: half the time of a request went into the objects.  Functions without a table (FC 7,
+8, 11, 12, 17, 20, 21, 24, 43) are in protocols.modbus.special.
 """
 
 import struct

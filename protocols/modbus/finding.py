@@ -21,7 +21,7 @@ class Place:
     type: str
     order: str
     factor: int  # register = value x factor
-    value: float  # what the registers hold, divided by the factor
+    value: float  # content of the registers, divided by the factor
 
     @property
     def reference(self) -> str:

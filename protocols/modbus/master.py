@@ -3,7 +3,7 @@
 Orders (reads and writes with a waiting caller) go before polling; devices take turns, so none starves another.  A device
 that does not answer is demoted: its orders fail at once, and a single request per probe interval checks whether it is back (AX-346).
 A read without further answers fails all groups of its device with it, and two devices silent in a row fail what is overdue on the
-whole link: a value is never GOOD because its turn to be asked has not come yet (AX-640).
+whole link: a value never stays GOOD because its turn to be read has not come yet (AX-640).
 Sources: V1.1b3, section 7 (05 and 06); serial line guide, 2.4.1 (one request at a time, turnaround after a broadcast).
 """
 
@@ -69,11 +69,11 @@ class _Poll:
 
 @dataclass(slots=True)
 class Seen:
-    """What is known of a device; for pages and status blocks."""
+    """State of a device, for pages and status blocks."""
 
     device: Device
     alive: bool = False
-    dead: bool = False  # demoted; neither alive nor dead: not asked yet, or failing for the first time
+    dead: bool = False  # demoted; neither alive nor dead: not polled yet, or failing for the first time
     answered_ns: Ns | None = None
     requests: int = 0  # sent, with repeats
     answers: int = 0
@@ -118,11 +118,11 @@ class Master:
         self._open = False
         self._ordered = False  # the last turn was an order's: a poll overdue by a full round goes before the next one
 
-    # ---- what its owner asks
+    # ---- requests of its owner
     def order(self, device: str, pdu: bytes, now: Ns) -> int:
-        """Queues a request (1..253 bytes); its number comes back in Done, Refused or Failed.  KeyError: no such device.
+        """Queue a request (1..253 bytes); Done, Refused or Failed return its number.  KeyError: no such device.
 
-        Without a connection it fails at once: nothing is kept that would be executed at an unintended moment.
+        Without a connection it fails at once: it is not kept, because it would be executed at an unintended moment.
         """
         seen = self.seen[device]
         self._numbers += 1
@@ -145,7 +145,7 @@ class Master:
         self._next(now)
 
     def opened(self, now: Ns) -> None:
-        """The port is there (again): every device is asked at once, also those that counted as dead."""
+        """The port is open (again): every device is polled at once, also those that counted as dead."""
         self._open = True
         for seen in self._round:
             seen.dead, seen.failures, seen.ready = False, 0, now
@@ -184,7 +184,7 @@ class Master:
 
     def deadline(self) -> Ns | None:
         if self._events:
-            return 0  # an order was refused where it was given: report it at the next chance
+            return 0  # an order was refused when it was queued: report it at the next chance
         running, silence = self._running, self._wire.deadline()
         if not self._open:
             return None
@@ -199,7 +199,7 @@ class Master:
         return output
 
     def lost(self, now: Ns) -> list[Event]:
-        """What was under way or waited fails, every group is reported lost; nothing is sent until opened()."""
+        """Pending and waiting requests fail, every group is reported lost; nothing is sent until opened()."""
         self._output, self._quiet_until, self._open, self._silent = b"", 0, False, None
         self._wire.forget()
         running, self._running = self._running, None
@@ -264,7 +264,7 @@ class Master:
             self._answered(running, heard.pdu, now)
 
     def _exception(self, running: _Running, code: int, now: Ns) -> None:
-        """06: not now, so again later.  05: taken; a read is asked again, a write is not, it would be done twice."""
+        """06: repeat later.  05: accepted; a read is repeated, a write is not, because it would be executed twice."""
         running.seen.exceptions += 1
         later = code == ExceptionCode.SERVER_DEVICE_BUSY or (code == ExceptionCode.ACKNOWLEDGE and running.pdu[0] in READS)
         if later and running.busy < running.seen.device.busy_retries:
@@ -325,7 +325,7 @@ class Master:
             was_good = running.what.good
             self._failed(running.what, why, now)
             if was_good and why is Failure.TIMEOUT:
-                self._doubt(seen)  # a read this device answers otherwise; a register it never answered says nothing of the others
+                self._doubt(seen)  # a read this device answers differently; a register it never answered proves nothing about the others
         if seen.dead or seen.failures >= seen.device.demote_after:
             self._demote(seen, now)
 
@@ -352,7 +352,7 @@ class Master:
                 self._events.append(PollFailed(poll.group.name, Failure.TIMEOUT))
 
     def _unheard(self, seen: Seen, now: Ns) -> None:
-        """A second device silent in a row: not the devices are away but what leads to them."""
+        """A second device silent in a row: the connection to the devices has failed, not the devices."""
         if seen.dead:
             return  # a probe; that one is away is known
         if self._silent not in (None, seen):

@@ -44,7 +44,7 @@ class Closing(NamedTuple):
     """Nothing more can be read from this connection; bytes that come after it are ignored."""
 
     why: Why
-    half: bytes  # what was there of the frame: at most 259 bytes
+    half: bytes  # the partial frame: at most 259 bytes
 
 
 Event = Request | Foreign | Closing
@@ -86,7 +86,7 @@ class Framing:
         self._output.append(ANSWER.pack(request.transaction, MODBUS, len(pdu) + 1, request.unit) + pdu)
 
     def reading_again(self, now: Ns) -> None:
-        """The caller had stopped reading: the rest of a half frame may wait in the port, so its limit starts anew."""
+        """The caller had stopped reading: the rest of a half frame may wait in the port, so its limit restarts."""
         if self._due is not None:
             self._due = now + self._receive_limit
 

@@ -2,7 +2,7 @@
 
 A 32-bit value ABCD (A the highest byte) is stored in two registers as AB CD, CD AB (words swapped), BA DC (bytes swapped) or DC BA (both).
 V1.1b3, 4.2, fixes the bytes of one register (high first) and leaves more than one open; the default is ABCD.
-64-bit values follow the same four letters: words in the given row, bytes in each likewise.
+64-bit values follow the same four letters: words in the given order, bytes in each as well.
 """
 
 import struct

@@ -16,7 +16,7 @@ MOST = {Kind.COILS: 2000, Kind.DISCRETE_INPUTS: 2000, Kind.HOLDING_REGISTERS: 12
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """One device and how it wants to be treated."""
+    """One device and its limits."""
 
     name: str
     unit: int = 1
@@ -50,7 +50,7 @@ class Failure(Enum):
     TIMEOUT = auto()
     SPOILED = auto()
     LOST = auto()  # the connection or line went away
-    DEAD = auto()  # the device is demoted and was not asked
+    DEAD = auto()  # the device is demoted and was not polled
     FULL = auto()  # too many orders wait for this device
 
 

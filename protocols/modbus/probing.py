@@ -77,7 +77,7 @@ def frame(pdu: bytes, unit: int, transaction: int = FIRST_ID, protocol: int = 0,
 
 
 def split(data: bytes) -> tuple[list[Said], bytes]:
-    """Whole answers at the start of what came, and what is left."""
+    """Complete answers at the start of the received bytes, and the rest."""
     said, at = [], 0
     while len(data) - at >= 8:
         transaction, protocol, length = HEADER.unpack_from(data, at)

@@ -1,4 +1,4 @@
-"""What a partner may do: read, write, and where.  Asked after the validation table, on the raw PDU of a legal request (AX-343)."""
+"""Rights of a partner: read, write, and where.  Checked after the validation table, on the raw PDU of a legal request (AX-343)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ class Rights:
     write: bool = True
     coils: tuple[Span, ...] | None = None
     holding: tuple[Span, ...] | None = None
-    files: tuple[Span, ...] | None = None  # None: all where coils and holding are None too, else none
+    files: tuple[Span, ...] | None = None  # None: all if coils and holding are None too, else none
 
     @property
     def limited(self) -> bool:
-        """Whether `refusal` has to be asked at all."""
+        """Whether `refusal` must be called at all."""
         return not self.read or (self.write and not (self.coils is None and self.holding is None and self.files is None))
 
     def refusal(self, pdu: bytes) -> ExceptionCode | None:

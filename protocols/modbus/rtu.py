@@ -119,7 +119,7 @@ class RtuFraming:
 
 
 class RtuTcpFraming:
-    """RTU frames in a TCP stream: no silence can be seen there, so the length given by the function code ends a frame; a wrong
+    """RTU frames in a TCP stream: silence cannot be detected there, so the length for the function code ends a frame; a wrong
     check sum means lost framing and closes the connection."""
 
     def __init__(self, receive_limit: Ns = RECEIVE_LIMIT) -> None:

@@ -56,7 +56,7 @@ def _read_files(pdu: bytes, view: HasFiles) -> bytes | ExceptionCode:
 
 
 def _write_files(pdu: bytes, view: HasFiles) -> bytes | ExceptionCode:
-    """All records are asked for first, so that a refused request writes nothing."""
+    """All records are checked first, so that a refused request writes nothing."""
     at, groups = 2, []
     while at < len(pdu):
         _, file, record, count = struct.unpack_from(">BHHH", pdu, at)

@@ -1,7 +1,7 @@
-"""What a Modbus server knows about itself: counters and event log (FC 8, 11, 12), its name (FC 17), its identification (FC 43/14).
+"""Data of a Modbus server about itself: counters and event log (FC 8, 11, 12), its name (FC 17), its identification (FC 43/14).
 
-Source: V1.1b3, sections 6.8 to 6.13 and 6.21.  The specification has 7, 8, 11, 12 and 17 on serial lines only; they are answered on TCP as
-well, where clients ask for them (AX-342).
+Source: V1.1b3, sections 6.8 to 6.13 and 6.21.  The specification defines 7, 8, 11, 12 and 17 for serial lines only; they are answered on
+TCP as well, because clients use them (AX-342).
 """
 
 from collections import deque
@@ -63,7 +63,7 @@ class Station:
         self.messages = self.line_faults = self.exceptions = self.answered = self.unanswered = self.busy = self.overruns = 0
         self.events = 0
 
-    # ---- what happened
+    # ---- events
     def heard(self) -> None:
         """A good frame for any unit."""
         self.messages += 1
@@ -89,7 +89,7 @@ class Station:
             self.events = (self.events + 1) & 0xFFFF
             self._log.appendleft(SENT)
 
-    # ---- what is asked (the request is legal)
+    # ---- requests (legal ones)
     def diagnose(self, pdu: bytes) -> bytes:
         """FC 8; b"": no answer."""
         sub, data = pdu[1] << 8 | pdu[2], pdu[3:]
@@ -148,7 +148,7 @@ class Station:
                 return ExceptionCode.ILLEGAL_DATA_ADDRESS
             return self._identification(pdu, [first], 0, 0)
         stream = [number for number in self._objects if number <= CLASSES[code]]
-        fitting = stream[stream.index(first) :] if first in stream else stream  # an unknown one starts anew (6.21)
+        fitting = stream[stream.index(first) :] if first in stream else stream  # an unknown one restarts from the beginning (6.21)
         taken: list[int] = []
         room = OBJECTS_BYTES
         for number in fitting:

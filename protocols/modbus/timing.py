@@ -34,4 +34,4 @@ def timing(baud: int, bits: int = CHARACTER_BITS, patience: Ns = 0, strict: bool
     return Timing(char_ns, 3 * char_ns // 2, 7 * char_ns // 2, patience, strict)
 
 
-OVER_TCP = Timing(char_ns=0, t15=ms(2000), t35=ms(2000))  # silence says nothing there: lengths end a frame, the limit ends a half one
+OVER_TCP = Timing(char_ns=0, t15=ms(2000), t35=ms(2000))  # silence has no meaning there: lengths end a frame, the limit ends a half one

@@ -1,7 +1,7 @@
-"""Which requests are legal: tables on the raw PDU, asked in the order of the flow charts of V1.1b3, sections 6.1 to 6.21.
+"""Rules for legal requests: tables on the raw PDU, applied in the order of the flow charts of V1.1b3, sections 6.1 to 6.21.
 
-First the function (01), then structure, quantity, byte count and value (03), then the address range (02); only after these a view
-is asked, which may answer 02 for a range it does not have or 04 when doing it failed.  Sub-functions come with the function (01).
+First the function (01), then structure, quantity, byte count and value (03), then the address range (02); only after these the view is
+called, which may answer 02 for a missing range or 04 for a failed execution.  Sub-functions come with the function (01).
 """
 
 from collections.abc import Callable, Container
@@ -15,7 +15,7 @@ ADDRESS_END, FIXED_END, DATA_START = 3, 5, 6  # function | address, 2 | quantity
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """One function code: what may be in the word after the address, and what follows it."""
+    """One function code: permitted values of the word after the address, and the data after it."""
 
     section: str  # of V1.1b3: its flow chart
     legal: Container[int]  # values of the word after the address
@@ -46,7 +46,7 @@ DIAGNOSES: dict[int, Container[int] | None] = {
     **dict.fromkeys((10, 11, 12, 13, 14, 15, 16, 17, 18, 20), ZERO),
 }
 CHANGING = (1, 4, 10, 20)  # sub-functions of FC 8 that change something
-LISTEN_ONLY = 4  # serial lines only: a TCP server that says nothing any more could not be reached again (AX-342)
+LISTEN_ONLY = 4  # serial lines only: a TCP server that stops answering could not be reached again (AX-342)
 IDENTIFICATION = 0x0E  # MEI type of FC 43
 
 
@@ -164,7 +164,7 @@ def _queue(pdu: bytes) -> ExceptionCode | None:
 
 
 def _interface(pdu: bytes) -> ExceptionCode | None:
-    """FC 43: the type of interface belongs to the function; then the code of what is to be read (V1.1b3, 6.21)."""
+    """FC 43: the type of interface belongs to the function; then the code of the objects to read (V1.1b3, 6.21)."""
     if len(pdu) >= 2 and pdu[1] != IDENTIFICATION:
         return ExceptionCode.ILLEGAL_FUNCTION
     return None if len(pdu) == 4 and 1 <= pdu[2] <= 4 else ExceptionCode.ILLEGAL_DATA_VALUE

@@ -1,6 +1,6 @@
-"""The client's side of each kind of Modbus line: a request packed, the answer to it found in what comes back.
+"""The client's side of each kind of Modbus line: packing a request, finding the answer to it in the received bytes.
 
-One request is under way at a time.  What does not belong to it (a late answer, another unit's) is dropped and counted.
+One request is pending at a time.  Other bytes (a late answer, another unit's) are dropped and counted.
 """
 
 from enum import Enum, auto
@@ -38,7 +38,7 @@ class Wire(Protocol):
     """One request, one answer."""
 
     quiet: Ns  # silence to keep after the last byte before the next request
-    broadcasts: bool  # unit 0 means all and nobody answers
+    broadcasts: bool  # unit 0 means all, and no unit answers
     strays: int  # bytes or frames that belonged to nothing
 
     def ask(self, unit: int, pdu: bytes) -> bytes: ...
@@ -46,14 +46,14 @@ class Wire(Protocol):
     def damaged(self, kind: Damage, now: Ns) -> Heard: ...
     def wake(self, now: Ns) -> Heard: ...
     def deadline(self) -> Ns | None: ...
-    def forget(self) -> None: ...  # no request is under way any more
+    def forget(self) -> None: ...  # no request is pending any more
 
 
-ECHOED = {5: 5, 6: 5, 15: 5, 16: 5, 22: 7}  # function -> so much of the request is in its answer
+ECHOED = {5: 5, 6: 5, 15: 5, 16: 5, 22: 7}  # function -> number of bytes of the request repeated in its answer
 
 
 def _fits(request: bytes, answer: bytes) -> bool:
-    """Whether this can be the answer: same function, an exception of two bytes, a write that repeats what was asked."""
+    """Whether this can be the answer: same function, an exception of two bytes, a write that repeats the request."""
     if not answer or answer[0] & 0x7F != request[0]:
         return False
     if answer[0] != request[0]:
@@ -63,7 +63,7 @@ def _fits(request: bytes, answer: bytes) -> bool:
 
 
 class TcpWire:
-    """MBAP: answers are known by their transaction number, late ones of given-up requests fall through."""
+    """MBAP: answers are matched by their transaction number; late ones of aborted requests are dropped."""
 
     quiet: Ns = 0
     broadcasts = False

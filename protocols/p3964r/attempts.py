@@ -4,7 +4,7 @@ from protocols.p3964r.profiles import ConnectCounter, Profile
 
 
 class Attempts:
-    """Of the first job; they begin anew with each job, and when the partner has sent a block of its own to its end."""
+    """Attempts of the first job; they restart with each job, and when the partner has sent a complete block of its own."""
 
     __slots__ = ("blocks", "connects", "yielded")
 

@@ -13,7 +13,7 @@ class Char(IntEnum):
     ETB = 0x17  # ends follow-on telegrams of some process computers in place of ETX (Bosch R500 interface manual, BUEP64)
 
 
-STX, ETX, DLE, NAK, ETB = map(int, Char)  # plain numbers for what is asked at every character: Char.DLE costs a search in its class
+STX, ETX, DLE, NAK, ETB = map(int, Char)  # plain numbers for comparisons at every character: Char.DLE costs a search in its class
 DLE_BYTE, DLE_PAIR = bytes((DLE,)), bytes((DLE, DLE))
 
 

@@ -1,4 +1,4 @@
-"""What a 3964R station reports.  Faults of the partner are events to be counted, never exceptions."""
+"""Events of a 3964R station.  Faults of the partner are events to be counted, never exceptions."""
 
 from dataclasses import dataclass, field
 from enum import Enum, auto
@@ -15,7 +15,7 @@ class Refusal(Enum):
     CHECK = auto()  # block check wrong
     DAMAGED = auto()  # parity, framing or overrun
     BREAK = auto()
-    NO_BUFFER = auto()  # nobody took the block before
+    NO_BUFFER = auto()  # the block before was not collected
     LOST = auto()  # the port went away inside the block
 
 
@@ -74,7 +74,7 @@ class SendRepeated:
 
 @dataclass(frozen=True, slots=True)
 class SendFailed:
-    """The job is given up; `why` is the last failure."""
+    """The job is aborted; `why` is the last failure."""
 
     job: int
     why: Failure
@@ -91,7 +91,7 @@ class ReceptionFailed:
 
 @dataclass(frozen=True, slots=True)
 class StrayCharacters:
-    """So many characters came in idle before a STX, an own job or a quiet line."""
+    """Number of characters in idle before an STX, an own job or a quiet line."""
 
     count: int
 
@@ -113,7 +113,7 @@ Event = BlockReceived | BlockRefused | BlockSent | SendRepeated | SendFailed | R
 
 @dataclass(slots=True)
 class Outbox:
-    """What both directions of one line have to say, in one order."""
+    """Output of both directions of one line, in one order."""
 
     output: bytearray = field(default_factory=bytearray)
     events: list[Event] = field(default_factory=list)
@@ -126,7 +126,7 @@ class Outbox:
         self.events.append(event)
 
     def take_output(self) -> bytes:
-        """Asked only where there is some: it begins a new turn."""
+        """Call it only if there is some: it begins a new turn."""
         output = bytes(self.output)
         self.output.clear()
         self.turn += 1

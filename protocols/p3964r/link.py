@@ -1,6 +1,6 @@
-"""3964R, both directions over one line: who may speak, one-block buffer, jobs.
+"""3964R, both directions over one line: right to send, one-block buffer, jobs.
 
-Source: rho 3 Releases part 1, section 7.1 (below: 7.1); what it leaves open: AX-003..009, AX-050..052.
+Source: rho 3 Releases part 1, section 7.1 (below: 7.1); choices where it is open: AX-003..009, AX-050..052.
 """
 
 from protocols.base.errors import EncodeError
@@ -47,7 +47,7 @@ class Link:
         return job
 
     def replace(self, job: int, block: bytes, follow_on: bool = False) -> bool:
-        """Send this block in place of the one given under that number; False: that one is on the line already, or the job is over."""
+        """Send this block instead of the one queued under that number; False: that one is on the line already, or the job is over."""
         return self._sender.replace(job, block, self.profile.follow_on_end if follow_on else self.profile.end)
 
     def revoke(self) -> None:
@@ -56,7 +56,7 @@ class Link:
 
     @property
     def untaken(self) -> bool:
-        """Something to say that no port has taken."""
+        """Output that no port has accepted."""
         return bool(self._box.output)
 
     @property
@@ -66,7 +66,7 @@ class Link:
 
     @property
     def pending(self) -> int:
-        """Jobs neither sent nor given up."""
+        """Jobs neither sent nor aborted."""
         return len(self._sender.jobs)
 
     def set_buffer_free(self, free: bool, now: Ns) -> None:
@@ -109,7 +109,7 @@ class Link:
 
     def sent(self, now: Ns) -> list[Event]:
         box, sender = self._box, self._sender
-        if not box.output:  # else the report is older than what we have to say now
+        if not box.output:  # else the report is older than our present output
             if sender.state is not IDLE:
                 sender.sent(now)
             self._receiver.sent(now)
@@ -157,14 +157,14 @@ class Link:
         return at
 
     def _start(self, now: Ns) -> None:
-        """The line is nobody's: our next job may begin."""
+        """The line is free: our next job may begin."""
         if self._sender.jobs and not self._sender.busy and not self._receiver.busy:
             self._receiver.settle()
             self._sender.start(now)
 
     def _next_due(self) -> Ns | None:
         receiver = self._receiver
-        due, character, repeat = self._sender.due, receiver.due, receiver.repeats.due  # asked twice a burst: no call
+        due, character, repeat = self._sender.due, receiver.due, receiver.repeats.due  # read twice per burst: no call
         if character is not None and (due is None or character < due):
             due = character
         return repeat if repeat is not None and (due is None or repeat < due) else due

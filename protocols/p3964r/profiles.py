@@ -1,4 +1,4 @@
-"""Times, counters and open choices of the stations that speak 3964R: one frozen table for each.
+"""Times, counters and open choices of 3964R stations: one frozen table for each.
 
 Sources: [rho3] rho 3 Releases part 1, section 7.1; [CP340] SIMATIC CP 340 manual 04/2011; [CP341] SIMATIC CP 341 manual 09/2008;
 [CP440] SIMATIC CP 440 manual 09/2007 and 03/2022; [BUEP64] Bosch R500 interface manual 1070 072 131-102, chapter 9; [VIPA] System 200V
@@ -22,7 +22,7 @@ class Priority(Enum):
 
 
 class Stray(Enum):
-    """What a station in idle answers to a character that is neither STX nor NAK."""
+    """Answer of a station in idle to a character that is neither STX nor NAK."""
 
     SILENT = auto()  # [LINUX], [WAGO], AX-005
     NAK_AFTER_QUIET = auto()  # once, after the line was quiet for one character delay [CP340]
@@ -30,7 +30,7 @@ class Stray(Enum):
 
 
 class ConnectCounter(Enum):
-    """What the counter of connection attempts belongs to."""
+    """Scope of the counter of connection attempts."""
 
     PER_JOB = auto()  # block repeats do not start it again (AX-003)
     PER_BLOCK = auto()  # every block attempt has its own full set of connection attempts
@@ -53,7 +53,7 @@ class TooLong(Enum):
 
 
 class Interruption(Enum):
-    """What the sender does with a character other than NAK that comes while the block is on its way."""
+    """The sender's reaction to a character other than NAK during its block."""
 
     IGNORE = auto()  # no manual names a reaction
     BACK_OFF = auto()  # break off, wait one character delay, NAK, start again [LINUX]
@@ -61,7 +61,7 @@ class Interruption(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Settable:
-    """What the station's own parameter mask allows for its times, in ms."""
+    """Times that the station's own parameter mask allows, in ms."""
 
     least: int
     most: int
@@ -82,12 +82,12 @@ class Profile:
     connect_attempts: int = 6  # the first one counts [rho3]
     block_attempts: int = 6  # the first one counts [rho3]
     connect_counter: ConnectCounter = ConnectCounter.PER_JOB
-    silence_ends: bool = False  # a STX nobody answers is not repeated [WAGO]
+    silence_ends: bool = False  # an STX without an answer is not repeated [WAGO]
     retry_pause: Ns = 0  # before a repeat; no manual has one
     max_data: int = 138  # characters of a block, a doubled DLE counted once [rho3]
     max_received: int | None = None  # the same of a block received; None: as many [LINUX]
     block_check: bool = True  # False: procedure 3964 without the check character
-    end: Char = Char.ETX  # what we send; ETX and ETB are both understood
+    end: Char = Char.ETX  # end of our blocks; ETX and ETB are both understood
     follow_on_end: Char = Char.ETX  # the same at follow-on telegrams of the layer above [BUEP64]
     priority: Priority = Priority.LOW  # the station's own default; axisgate's is low (users.md 3.3)
     stray: Stray = Stray.SILENT
@@ -95,11 +95,11 @@ class Profile:
     too_long: TooLong = TooLong.NAK_AT_END
     interruption: Interruption = Interruption.IGNORE
     yields_to_second_conflict: bool = False  # with priority, but a repeat, of STX or of the block, met the partner's STX: receive [LINUX]
-    no_buffer_wait: Ns = ms(400)  # STX while no buffer is free: silence so long, then NAK; 0: NAK at once [VIPA] (AX-006)
+    no_buffer_wait: Ns = ms(400)  # STX without a free buffer: silence for this time, then NAK; 0: NAK at once [VIPA] (AX-006)
     no_buffer_poll: Ns = 0  # a buffer that gets free is noticed at these steps only [CP340]; 0: at once
     nak_at_start: bool = False  # one NAK when the interface becomes ready [CP340] (AX-009)
     nak_when_giving_up: bool = True  # [CP341]
-    early_answer: Ns = ms(5)  # a port may report `sent` so much later than the line was free (AX-052)
+    early_answer: Ns = ms(5)  # largest delay of a port's `sent` after the line was free (AX-052)
     bauds: tuple[int, int] = (300, 19200)  # usual least and largest
     settable: Settable | None = None  # None: fixed
     open_fields: tuple[str, ...] = ()
@@ -270,7 +270,7 @@ PROFILES = {
 
 
 def profile_named(name: str, block_check: bool = True) -> Profile:
-    """A profile by the name in a cell file, which may end in -tcp; KeyError names what is unknown.  block_check False: procedure 3964."""
+    """A profile by the name in a cell file, which may end in -tcp; KeyError names the unknown part.  block_check False: procedure 3964."""
     profile = PROFILES[name.removesuffix(NETWORK)]
     profile = profile.over_network() if name.endswith(NETWORK) else profile
     return profile if block_check else profile.plain()

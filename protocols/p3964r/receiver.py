@@ -21,15 +21,15 @@ from protocols.p3964r.repeats import Repeats
 class State(Enum):
     """What the receiver expects next."""
 
-    IDLE = auto()  # STX; a repeat may be expected, which changes only what is reported
+    IDLE = auto()  # STX; a repeat may be expected, which only affects the events
     NO_BUFFER = auto()  # received STX, has no room for the block; waits for some
     DATA = auto()  # inside the block
-    ESCAPED = auto()  # one DLE seen; the next character says what it meant
+    ESCAPED = auto()  # one DLE received; the next character defines its meaning
     CHECK = auto()  # end seen; the block check comes next, whatever its value
     DEAF = auto()  # the rest of a broken or torn block comes in: nothing in it is a wish to send; a quiet line ends it (AX-228, AX-240)
 
 
-IDLE, NO_BUFFER, DATA, ESCAPED, CHECK, DEAF = State  # asked at every character: State.DATA costs a search in its class
+IDLE, NO_BUFFER, DATA, ESCAPED, CHECK, DEAF = State  # compared at every character: State.DATA costs a search in its class
 INSIDE = (DATA, ESCAPED, CHECK)
 ENDS = (ETX, ETB)  # after a DLE
 NAK_BYTE = bytes((NAK,))
@@ -117,7 +117,7 @@ class Receiver:
         self._guard.heard(inside=self._state in INSIDE)
 
     def _second_of_pair(self, byte: int) -> None:
-        """What the DLE before it meant."""
+        """Meaning of the DLE before it."""
         if byte == DLE:
             self._state = DATA
             self._store(DLE_BYTE)  # both enter the check, so they cancel
@@ -144,7 +144,7 @@ class Receiver:
         return at + len(run)
 
     def _end(self, run: bytes, end: int, check: int) -> None:
-        """The last plain run of a block, DLE, what ends it and its check, taken at once."""
+        """The last plain run of a block, DLE, its end character and its check, all at once."""
         self._data += run
         self._count += len(run)
         self._check ^= check_of(run) ^ DLE ^ end
@@ -215,7 +215,7 @@ class Receiver:
     def _refuse(self, why: Refusal) -> None:
         """NAK, once; the repeat is expected within the block wait time, which runs from when the NAK has left."""
         if self._guard.unsaid:
-            del self._box.output[-1:]  # our DLE was not given out: before a NAK it would read "block good"
+            del self._box.output[-1:]  # our DLE has not left: before a NAK it would read "block good"
         self._box.say(NAK)
         self._box.report(BlockRefused(why, self._count))
         self._guard.refused()
@@ -248,7 +248,7 @@ class Receiver:
 
     def _open(self, now: Ns) -> None:
         if self._strays and self._box.output[-1:] == NAK_BYTE:
-            del self._box.output[-1:]  # not given out; before our answer it would cost the partner an attempt
+            del self._box.output[-1:]  # it has not left; before our answer it would cost the partner an attempt
         self._guard.opening(now, behind_strays=self._strays > 0)
         self.settle()
         self.repeats.opened()
@@ -376,7 +376,7 @@ class Receiver:
         return block
 
     def lost(self) -> None:
-        """The port is gone.  A block already acknowledged stays in the buffer: the partner will not send it again."""
+        """The port is lost.  A block already acknowledged stays in the buffer: the partner will not send it again."""
         self.settle()
         self._guard.lost()
         if self.busy:

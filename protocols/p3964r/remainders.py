@@ -20,12 +20,12 @@ BLOCK_ENDS = (bytes((DLE, ETX)), bytes((DLE, ETB)))
 
 
 class Remainders:
-    """The receiver asks it and reports events to it; it sends nothing itself."""
+    """The receiver queries it and reports events to it; it sends nothing itself."""
 
     def __init__(self, box: Outbox, char_delay: Ns) -> None:
         self._box, self._char_delay = box, char_delay
         self.untouched = False  # nothing received since our DLE
-        self.torn = False  # a block was refused without having come to its end: its remainder may still come
+        self.torn = False  # a block was refused before its end: its remainder may still come
         self._restless, self.heard_at = False, 0  # the last character was stray or refused; and its time
         self.doubted = False  # the current opening came on a doubtful line
         self._behind_strays = False  # that line had characters without a place, and no refused block
@@ -39,12 +39,12 @@ class Remainders:
     # ---- the five questions
     @property
     def behind_an_end(self) -> bool:
-        """What comes now is in one breath with the end of a block: part of it."""
+        """This character followed the end of a block without a pause: it belongs to that block."""
         return self._box.turn == self.ended_in
 
     @property
     def same_burst(self) -> bool:
-        """What comes now is in one burst with the STX: our DLE was not given out."""
+        """This character is in one burst with the STX: our DLE has not left."""
         return self._box.turn == self.opened_in
 
     @property
@@ -65,10 +65,10 @@ class Remainders:
 
     @property
     def unsaid(self) -> bool:
-        """Our DLE to the block under way was not given out, and nothing but that burst was received of it."""
+        """Our DLE to the present block has not left, and only that burst of it was received."""
         return self.early and self._box.turn == self.opened_in
 
-    # ---- what happens
+    # ---- events
     def opening(self, now: Ns, *, behind_strays: bool) -> None:
         """STX, to be answered."""
         self._behind_strays = behind_strays
@@ -90,11 +90,11 @@ class Remainders:
         self.early = inside and self._box.turn == self.opened_in
 
     def begins(self) -> None:
-        """The block begins anew, or there is none."""
+        """The block restarts, or there is none."""
         self.early = False
 
     def ended(self) -> None:
-        """A block has come to its end."""
+        """A block has been received to its end."""
         self.ended_in, self.torn = self._box.turn, False
 
     def refused(self) -> None:
@@ -115,6 +115,6 @@ class Remainders:
         self.waits, self._passed = False, b""
 
     def lost(self) -> None:
-        """The port is gone."""
+        """The port is lost."""
         self.torn = self._restless = self.waits = self.misled = False
         self.opened_in = self.ended_in = -1

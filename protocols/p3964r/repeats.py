@@ -41,5 +41,5 @@ class Repeats:
         self.forget()
 
     def forget(self) -> None:
-        """The port is gone, or it was reported."""
+        """The port is lost, or it was reported."""
         self._refusals, self.awaited, self.due = 0, False, None

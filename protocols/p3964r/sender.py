@@ -19,13 +19,13 @@ class State(Enum):
 
     IDLE = auto()
     PAUSED = auto()  # before a repeat
-    CONNECT = auto()  # STX given out; waits for DLE
-    SENDING = auto()  # block given out, has not yet left
+    CONNECT = auto()  # STX sent; waits for DLE
+    SENDING = auto()  # block sent, has not yet left
     BACKING_OFF = auto()  # interrupted in the block; waits for a quiet line
     ANSWER = auto()  # block has left; waits for DLE
 
 
-IDLE, PAUSED, CONNECT, SENDING, BACKING_OFF, ANSWER = State  # asked at every character: State.IDLE costs a search in its class
+IDLE, PAUSED, CONNECT, SENDING, BACKING_OFF, ANSWER = State  # compared at every character: State.IDLE costs a search in its class
 ON_THE_LINE = (SENDING, BACKING_OFF, ANSWER)
 
 
@@ -48,7 +48,7 @@ class BlockOut:
     early: Ns | None = None  # a DLE received before the port reported that the block had left
 
     def answered(self, now: Ns, least: Ns) -> bool:
-        """Asked when the port reports that the block has left: whether an early DLE is the answer to it."""
+        """Called when the port reports that the block has left: whether an early DLE is the answer to it."""
         return self.early is not None and now - self.early <= max(least, (now - self.since) // DRIFT)
 
 
@@ -59,11 +59,11 @@ class Sender:
         self._profile, self._priority, self._box = profile, priority, box
         self.state = IDLE  # other than IDLE: a job is on the line
         self.due: Ns | None = None  # the deadline
-        self.jobs: deque[Job] = deque()  # not yet sent or given up
+        self.jobs: deque[Job] = deque()  # neither sent nor aborted
         self._number = 0
         self._attempts = Attempts()
         self._conflict = False  # the partner's STX was received and ignored
-        self._repeated_at: Ns | None = None  # when STX was given out in the middle of a burst
+        self._repeated_at: Ns | None = None  # when STX was sent in the middle of a burst
         self._done_at: Ns | None = None  # when a block was acknowledged
         self._out = BlockOut(b"", -1, 0)
         self._stx_in = -1  # the turn of STX
@@ -89,7 +89,7 @@ class Sender:
 
     def start(self, now: Ns) -> None:
         """The line is free: begin the first job, or go on with it where a conflict interrupted it."""
-        if self._revoked:  # it had given way to the partner: nothing of it is on the line
+        if self._revoked:  # it had yielded to the partner: nothing of it is on the line
             self._finish(SendFailed(self.jobs[0].number, Failure.REVOKED, Stage.WAITING))
         elif self._exhausted():
             self._give_up(Failure.CONFLICT, Stage.CONNECT)
@@ -106,11 +106,11 @@ class Sender:
         return False
 
     def revoke(self) -> None:
-        """Take the first job back: a block on the line is ended but not repeated, none is begun any more."""
+        """Withdraw the first job: a block on the line is completed but not repeated, none is started any more."""
         self._revoked = bool(self.jobs)
 
     def forget_attempts(self) -> None:
-        """The partner sent a block, good or bad, to its end: the job that gave way to it starts anew."""
+        """The partner sent a block, good or bad, to its end: the job that yielded to it restarts."""
         attempts = self._attempts
         if attempts.connects or attempts.blocks or attempts.yielded:  # no call where there is nothing to forget
             attempts.clear()
@@ -142,7 +142,7 @@ class Sender:
         if byte == STX:
             return self._meet()
         if now == self._repeated_at or self._box.turn == self._stx_in:
-            pass  # came together with what made us say STX: no answer to that one (AX-228)
+            pass  # came together with the cause of our STX: not an answer to it (AX-228)
         elif byte == DLE:
             self._transmit(now)
         elif self.due is not None:  # else our STX has not left: no answer to it; a DLE may be ahead of the port's report (AX-241)
@@ -152,7 +152,7 @@ class Sender:
     def _hear_inside(self, byte: int, now: Ns) -> None:
         """While the block is on its way."""
         if byte == NAK:
-            self._box.output.clear()  # break off: what was not yet taken stays here
+            self._box.output.clear()  # abort: unread output is discarded
             self._block_failed(Failure.NAK, now)
         elif byte == DLE:
             self._out.early = None if self._box.output else now
@@ -180,7 +180,7 @@ class Sender:
                 self.overtook = self.jobs[0].number
             return True
         if self._box.turn == self._stx_in:
-            del self._box.output[-1:]  # our STX was not given out yet: now it never is
+            del self._box.output[-1:]  # our STX has not left yet: now it never will
         if self._priority is Priority.HIGH:
             self._attempts.give_way()
         else:
@@ -194,7 +194,7 @@ class Sender:
             self._box.output.clear()
             self.state, self.due = BACKING_OFF, now + self._profile.char_delay
 
-    # ---- what the rows do
+    # ---- actions of the rows
     def _connect(self) -> None:
         self._repeated_at = None
         self._box.say(STX)
@@ -269,7 +269,7 @@ class Sender:
 
     # ---- time
     def sent(self, now: Ns) -> None:
-        """All given out has left the line: the acknowledgement delay runs from here."""
+        """All output has left the line: the acknowledgement delay runs from here."""
         if self.state is CONNECT and self.due is None:
             self.due = now + self._profile.ack_delay
         elif self.state is SENDING:
@@ -291,7 +291,7 @@ class Sender:
                 self._connect()
 
     def lost(self) -> None:
-        """The port is gone: every open job is reported."""
+        """The port is lost: every open job is reported."""
         stage = self._stage() if self.busy else Stage.WAITING
         for job in self.jobs:
             self._box.report(SendFailed(job.number, Failure.LOST, stage))

@@ -86,7 +86,7 @@ class _Job:
     data: bytes  # SEND
     got: bytearray = field(default_factory=bytearray)  # FETCH
     moved: int = 0  # bytes that the partner has reported as over
-    telegrams: int = 0  # handed out
+    telegrams: int = 0  # passed out
 
     @property
     def fetch(self) -> bool:
@@ -106,7 +106,7 @@ class _Job:
 
 
 class Active:
-    """Jobs in the order given."""
+    """Jobs in the order of queueing."""
 
     def __init__(self, dialect: Dialect = STANDARD, baud: int = 9600) -> None:
         self._dialect, self._wait = dialect, dialect.waits(baud)
@@ -114,8 +114,8 @@ class Active:
         self._events: list[Event] = []
         self._number = 0
         self._output: bytes | None = None
-        self._on_its_way = False  # handed out, the link has not reported what became of it
-        self._orphan = False  # the job of that telegram has ended meanwhile
+        self._on_its_way = False  # passed out, the link has not reported its outcome
+        self._orphan = False  # the job of that telegram has ended
         self._until: Ns | None = None
 
     # ---- for its owner
@@ -160,7 +160,7 @@ class Active:
 
     @property
     def name(self) -> str:
-        """Of the dialect."""
+        """Name of the dialect."""
         return self._dialect.name
 
     @property
@@ -173,7 +173,7 @@ class Active:
         """A reaction is due."""
         return self._until is not None
 
-    # ---- what the link reports
+    # ---- reports of the link
     def take_output(self) -> bytes | None:
         """The next telegram for the link, once."""
         if self._on_its_way:
@@ -193,12 +193,12 @@ class Active:
         return [*events, *self._advance(b"")]
 
     def unsent(self, now: Ns) -> list[Event]:
-        """The link has given the telegram up."""
+        """The link has aborted the telegram."""
         events = self._take_events()
         return events if self._free_link() else [*events, self._fail(Trouble.LINK)]
 
     def reaction(self, data: bytes, now: Ns) -> list[Event]:
-        """A reaction telegram, or what came instead of one."""
+        """A reaction telegram, or another block instead."""
         events = self._take_events()
         if self._until is None:
             if self._on_its_way and not self._orphan and self._jobs[0].telegrams > 1:
@@ -227,7 +227,7 @@ class Active:
         return self._until
 
     def lost(self) -> list[Event]:
-        """The port is gone: every job is reported."""
+        """The port is lost: every job is reported."""
         events = [*self._take_events(), *(Failed(job.number, Trouble.LOST) for job in self._jobs)]
         self._jobs.clear()
         self._on_its_way, self._orphan, self._until, self._output = False, False, None, None

@@ -1,4 +1,4 @@
-"""What stations that speak RK512 do differently: one frozen table for each, under the name of its link profile.
+"""Differences between RK512 stations: one frozen table for each, under the name of its link profile.
 
 Sources: [CP341] SIMATIC CP 341 manual 09/2008; [CP441] Siemens text on RK 512 with CP 441; [VIPA] System 200V manual HB97E-CP; [VIPA21]
 CPU 21x manual HB103E; [WAGO] WagoAppSerial_3964R_RK512 1.6.1.0; [SYS350] Rexroth 3 608 878 300 chapter 6.3.
@@ -18,9 +18,9 @@ class Dialect:
 
     name: str = "rk512"
     source: str = "SIMATIC CP 341 manual 09/2008; total of CP 441"
-    db_address_unit: str = "word"  # what byte 6 of the header counts: word | byte [SYS350]
+    db_address_unit: str = "word"  # unit of byte 6 of the header: word | byte [SYS350]
     reaction: bool = True  # False: no reaction telegrams, no follow-on telegrams
-    unknown_block: int = ErrorNumber.BLOCK  # what this partner gets where the store answers BLOCK
+    unknown_block: int = ErrorNumber.BLOCK  # error number for this partner when the store answers BLOCK
     coordination_flag: str = "refuse"  # a job that names one: refuse (32h, there are none) | ignore | serve
     follow_on_reaction: bool = True  # reactions to follow-ons begin with FF [CP341] [VIPA]; False: 00 [SYS350]; both are understood
     send_kinds: bytes = b"DX"  # types a SEND may go to

@@ -19,5 +19,5 @@ class Flags:
             self.set.add(flag)
 
     def reset(self, flag: Flag) -> None:
-        """The program has used what came."""
+        """The program has used the data."""
         self.set.discard(flag)

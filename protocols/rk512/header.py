@@ -33,7 +33,7 @@ class ErrorNumber(IntEnum):
 
     @classmethod
     def _missing_(cls, value: object) -> "ErrorNumber | None":
-        """Any other byte: partners have numbers of their own, which are passed on as such."""
+        """Any other byte: partners have numbers of their own, which are passed on unchanged."""
         if not isinstance(value, int) or not 0 <= value <= 0xFF:
             return None
         member = int.__new__(cls, value)
@@ -50,7 +50,7 @@ class Command(IntEnum):
 
 
 class Kind(IntEnum):
-    """Byte 4, what the address means; S7 writes I Q F C for E A M Z."""
+    """Byte 4, meaning of the address; S7 writes I Q F C for E A M Z."""
 
     BLOCK = 0x44  # 'D' data block: number, word
     EXTENDED = 0x58  # 'X' extended data block: number, word

@@ -29,7 +29,7 @@ from protocols.rk512.header import (
     is_reaction,
 )
 
-FOLLOW_ON_WAIT = ms(20_000)  # the longest reaction time of any source; a job left open so long is forgotten without a word
+FOLLOW_ON_WAIT = ms(20_000)  # the longest reaction time of any source; a job left open longer is dropped silently
 
 
 class DataBlocks(Protocol):
@@ -68,7 +68,7 @@ class Written:
 
 @dataclass(frozen=True, slots=True)
 class Fetched:
-    """A FETCH was answered; of a long one this is the first telegram, the rest leaves as the partner asks for it."""
+    """A FETCH was answered; for a long one this is the first telegram, the rest leaves on the partner's requests."""
 
     db: int
     word: int
@@ -94,7 +94,7 @@ class Refused:
 
 @dataclass(frozen=True, slots=True)
 class UnexpectedReaction:
-    """A reaction telegram came though nothing was asked; it is never answered (AX-054)."""
+    """A reaction telegram without a request; it is never answered (AX-054)."""
 
     head: bytes
 
@@ -124,7 +124,7 @@ class _Open:
     header: Header
     missing: int  # bytes
     since: Ns
-    data: bytearray = field(default_factory=bytearray)  # SEND: so far; FETCH: what is still to deliver
+    data: bytearray = field(default_factory=bytearray)  # SEND: data so far; FETCH: data still to deliver
 
 
 class Passive:
@@ -149,16 +149,16 @@ class Passive:
         return [self._follow_on(data, now) if data[0] == FOLLOW_ON else self._first(data, now)]
 
     def take_output(self) -> bytes | None:
-        """The reaction telegram to hand to the link, once; None: nothing to say."""
+        """The reaction telegram for the link, once; None: no reaction."""
         output, self._output = self._output, None
         return output
 
     def forget(self) -> None:
-        """A job that was not complete has never been: its partner begins anew."""
+        """An incomplete job has no effect: its partner restarts it."""
         self._open = None
 
     def lost(self) -> None:
-        """The port is gone: a job that was not complete has never been."""
+        """The port is lost: an incomplete job has no effect."""
         self._open = self._output = None
 
     # ---- checks, in the order of the bytes

@@ -39,7 +39,7 @@ class Station:
         self.passive, self.active, self._dialect = passive, active, dialect
         self._under_way: deque[_Out] = deque()
         self._last = b""  # the command whose reaction has not left
-        self._untaken = False  # the last reaction was given up
+        self._untaken = False  # the last reaction was aborted
 
     def block(self, data: bytes, now: Ns, overtaken: bool = False) -> list[Event]:
         """A block of the link.  overtaken: the partner wished to send it before it had our last command (AX-242)."""
@@ -62,7 +62,7 @@ class Station:
 
     @property
     def reactions(self) -> int:
-        """Under way.  More than one: all but the newest answer commands their partner has given up (AX-650)."""
+        """Pending reactions.  If more than one: all but the newest answer commands that their partner has aborted (AX-650)."""
         return self._under_way.count(_Out.REACTION)
 
     def replaced(self) -> None:
@@ -88,14 +88,14 @@ class Station:
         return []
 
     def block_failed(self, now: Ns) -> list[Event]:
-        """The oldest block taken is given up."""
+        """The oldest block passed to the link is aborted."""
         if self._under_way.popleft() is _Out.COMMAND:
             return [*self.active.unsent(now)]
         self._last, self._untaken = b"", True
         return []
 
     def lost(self) -> list[Event]:
-        """The port is gone."""
+        """The port is lost."""
         self.passive.lost()
         self._under_way.clear()
         self._last, self._untaken = b"", False

@@ -1,4 +1,4 @@
-"""Set values and actual values of SERVODYN-GC drives; the layouts say which bit is which (default AX-001, not verified on hardware)."""
+"""Set values and actual values of SERVODYN-GC drives; the layouts define the bits (default AX-001, not verified on hardware)."""
 
 import struct
 from collections.abc import Callable, Mapping
@@ -119,7 +119,7 @@ class Codec:
         return self._set_ids[axis]
 
     def packers(self, axis: int) -> tuple[Packer, Packer]:
-        """Of the set values and the actual values of module 1..6: for code that replaces them (gateway.cycle.native)."""
+        """Packers of the set values and the actual values of module 1..6: for code that replaces them (gateway.cycle.native)."""
         return self._set_packers[axis], self._actual_packers[axis]
 
     def reader(self, axis: int) -> Callable[[bytes], ActualValue]:
@@ -140,7 +140,7 @@ def _reader(packer: Packer) -> Callable[[bytes], ActualValue]:
         return make(ActualValue, unpack(data))
 
     def read_wider(data: bytes) -> ActualValue:
-        """A layout of somebody's own with flags of more bits than one: 1 counts."""
+        """A layout from a file with flags of more bits than one: 1 counts."""
         values = unpack(data)
         return ActualValue._make([*(value == 1 for value in values[:ACTUAL_FLAGS]), *values[ACTUAL_FLAGS:]])
 

@@ -22,7 +22,7 @@ class Kind(IntEnum):
 
 
 class Status(IntEnum):
-    """What the drive answers."""
+    """Answers of the drive."""
 
     TAKEN = 0
     UNKNOWN = 1  # no such parameter

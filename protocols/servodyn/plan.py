@@ -1,4 +1,4 @@
-"""Which axis speaks on which bus under which identifiers.
+"""Bus and identifiers of each axis.
 
 Source: rho 3 Releases part 1, L7250, L7276 (axes 1..6 on bus 1, 7..12 on bus 2 with the same identifiers), L11024-11026 (SYNC 100, set
 values 210.., actual values 610..).  "rho3 D-13": the numbers are read as decimal; drives 5 and 6 are derived (200+10n, 600+10n).

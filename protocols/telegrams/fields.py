@@ -1,8 +1,8 @@
 """Typed fields of a raw block: values <-> bytes.
 
 Source: rho 3 Releases part 1, section 7.1, READ and WRITE with protocol 8 (rho3 1.3): BINARY 1 byte 0 or 1, CHARACTER 1, INTEGER and
-REAL 4 (normal order: low byte first), POINT and JC_POINT one REAL for each coordinate, TEXT 80 bytes ended by NUL.  BYTE, WORD and KF are
-what BAPS subroutines packed by hand for a PLC (the application layer's job there).  What the manual leaves open: AX-191.
+REAL 4 (normal order: low byte first), POINT and JC_POINT one REAL for each coordinate, TEXT 80 bytes ended by NUL.  BYTE, WORD and KF were
+packed by BAPS subroutines for a PLC (the application layer's job there).  Choices where the manual is open: AX-191.
 """
 
 import math
@@ -76,7 +76,7 @@ class Field:
 
 
 def decode(field: Field, data: bytes) -> Value:
-    """The field's value in a block.  DecodeError names field, bytes and what is wrong."""
+    """The field's value in a block.  DecodeError names field, bytes and fault."""
     raw = data[field.byte : field.end]
     if len(raw) < field.size:
         raise DecodeError(f"{field.name}: bytes {field.byte}..{field.end - 1} expected, the block has {len(data)}")

@@ -1,4 +1,4 @@
-"""Raw blocks as plain tables: what to recognise and read, what to build.  Source: users.md 3.5, `[[telegram]]`."""
+"""Raw blocks as plain tables: blocks to recognise and read, blocks to build.  Source: users.md 3.5, `[[telegram]]`."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class Match:
 
 @dataclass(frozen=True, slots=True)
 class Incoming:
-    """A block the partner sends: recognised by `matches` (and its length, where given), read field by field, then `signal` is given."""
+    """A block from the partner: recognised by `matches` (and its length, if set), read field by field, then `signal` is raised."""
 
     name: str
     matches: tuple[Match, ...]

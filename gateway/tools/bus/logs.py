@@ -1,7 +1,7 @@
 """Recordings of a CAN bus: read and written through python-can (candump, ASC, BLF, TRC, CSV), and our own pcapng writer.
 
-A recording is frames with stamps; an extended frame carries bit 31 in its identifier and a remote frame bit 30, as in struct can_frame.
-The data of a remote frame are as many zeros as it asks for.
+A recording is frames with stamps; an extended frame carries bit 31 in its identifier and a remote frame bit 30, as in struct can_frame. The
+data of a remote frame are as many zeros as it requests.
 """
 
 import pathlib
@@ -68,7 +68,7 @@ def _text(path: pathlib.Path) -> Iterator[Frame]:
 
 
 def _relative(path: pathlib.Path) -> bool:
-    """The head says so in its first lines."""
+    """The header reports it in its first lines."""
     with path.open(encoding="utf-8", errors="replace") as lines:
         return any("timestamps relative" in line.lower() for line, _ in zip(lines, range(20), strict=False))
 
@@ -116,7 +116,7 @@ def message_of(frame: Frame) -> can.Message:
 
 
 class Candump(can.CanutilsLogWriter):
-    """As candump -L writes it: python-can's own leaves out how many bytes a remote frame asks for."""
+    """Format of candump -L: python-can's own leaves out how many bytes a remote frame requests."""
 
     def on_message_received(self, msg: can.Message) -> None:
         if not msg.is_remote_frame or not msg.dlc:

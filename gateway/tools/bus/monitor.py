@@ -30,7 +30,7 @@ exit code: 0 done, 2 command line or file, 3 the bus is not there"""
 
 @dataclass(slots=True)
 class Seen:
-    """What one identifier did."""
+    """Statistics of one identifier."""
 
     count: int = 0
     first_ns: Ns = 0

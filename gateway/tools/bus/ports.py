@@ -12,7 +12,7 @@ FORM = "INTERFACE:CHANNEL, e.g. socketcan:can0, pcan:PCAN_USBBUS1, slcan:/dev/tt
 
 
 class NoBus(OSError):
-    """The adapter cannot be opened; the message names it and what to do."""
+    """The adapter cannot be opened; the message names it and the remedy."""
 
 
 @contextlib.contextmanager

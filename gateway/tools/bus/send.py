@@ -142,7 +142,7 @@ def value_text(data: bytes) -> str:
 
 
 def echo(bus: can.BusABC, count: int) -> int:
-    """Round trip of own frames: what a cycle on this adapter has to reckon with."""
+    """Round trip of own frames: the latency a cycle on this adapter must expect."""
     trips = []
     for number in range(count):
         start = time.perf_counter()

@@ -10,7 +10,7 @@ from importlib.metadata import EntryPoint
 
 Command = Callable[[list[str]], int]
 CELLS = ("cell", "CELL")
-BEFORE_ARGPARSE: Mapping[str, tuple[str, ...]] = {  # tools a command hands over to before its own parser, each with one of its own
+BEFORE_ARGPARSE: Mapping[str, tuple[str, ...]] = {  # tools a command calls before its own parser, each with a parser of its own
     "bus": ("monitor", "log", "replay", "send", "load", "plan", "infer"),
     "doctor": ("serial", "can"),
     "line": ("export",),
@@ -21,7 +21,7 @@ BEFORE_ARGPARSE: Mapping[str, tuple[str, ...]] = {  # tools a command hands over
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """One option: its spellings, its words of help, what may follow it (None: nothing; (): anything)."""
+    """One option: its spellings, its help text, its values (None: none; (): anything)."""
 
     names: tuple[str, ...]
     help: str
@@ -36,7 +36,7 @@ class Node:
     subs: "dict[str, Node]" = field(default_factory=dict)
     options: list[Option] = field(default_factory=list)
     words: tuple[str, ...] = ()  # choices of positional arguments
-    cell: bool = False  # a cell is wanted
+    cell: bool = False  # a cell is expected
     file: bool = False  # any other argument may be a file
 
     def walk(self, path: tuple[str, ...] = ()) -> "Iterator[tuple[tuple[str, ...], Node]]":

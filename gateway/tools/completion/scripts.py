@@ -111,7 +111,7 @@ def _values(name: str, node: Node, *, zsh: bool) -> list[str]:
 
 
 def _node(name: str, node: Node, cells: Sequence[str], *, zsh: bool) -> str:
-    """What may come where no option waits for its value."""
+    """Candidates where no option waits for its value."""
     subs, words = list(node.subs), [*node.words, *(cells if node.cell else ())]
     options = [each for option in node.options for each in option.names] or ["-h", "--help"]
     files = "yes" if node.cell or node.file else ""

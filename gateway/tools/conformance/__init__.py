@@ -1,4 +1,4 @@
-"""What `axisgate conformance` does, one function a tool."""
+"""The tools of `axisgate conformance`, one function each."""
 
 from gateway.tools.conformance.run import run_suite
 from gateway.tools.conformance.tools import compare_reports, list_suites, new_case, new_pics, play_mutants, verify_folder

@@ -85,7 +85,7 @@ def files_of(suite: Suite, arguments: argparse.Namespace) -> tuple[Bench, dict[s
 
 
 def chosen(suite: Suite, arguments: argparse.Namespace) -> list[Purpose[Tester]]:
-    """What --only and --failed-from leave."""
+    """Cases selected by --only and --failed-from."""
     purposes = suite.purposes()
     if strange := unknown(purposes, arguments.only):
         near = difflib.get_close_matches(strange[0], [purpose.id for purpose in purposes], n=1, cutoff=0.5)
@@ -210,7 +210,7 @@ def _progress(result: Result, done: int, of: int, arguments: argparse.Namespace)
 def _dry(
     suite: Suite, bench: Bench, stated: Mapping[str, object], purposes: Sequence[Purpose[Tester]], arguments: argparse.Namespace
 ) -> int:
-    """Nothing is opened: what the PICS states decides, the rest is found out at the device."""
+    """Opens nothing: the PICS decides, the rest is discovered at the device."""
     rows = []
     for purpose in ordered(purposes, arguments.seed):
         missing = [key for key in purpose.condition if stated.get(key) is False]
@@ -225,7 +225,7 @@ def _dry(
 
 
 def _say(spoken: str, text: str) -> None:
-    """What the operator is asked to do, in that language."""
+    """Instruction to the operator, in that language."""
     print(f">>> {verdict_text(text, spoken)}", file=sys.stderr, flush=True)
 
 

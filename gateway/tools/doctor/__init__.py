@@ -1,1 +1,1 @@
-"""What `axisgate doctor` measures: echo of adapters, and how late this machine is."""
+"""Measurements of `axisgate doctor`: echo of adapters, and lateness of this computer."""

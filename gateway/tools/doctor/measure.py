@@ -45,7 +45,7 @@ def serial_echo(url: str, line_format: str, count: int, said: Said) -> list[floa
     """Times from writing a character to reading its echo, less its time on the line.  Raises PortError, NoEcho, ValueError."""
     port = open_bytes(url, line_format)
     try:
-        port.read()  # what was in the line before
+        port.read()  # characters already on the line
         times = []
         for number in range(count):
             byte = bytes((number % 251,))

@@ -1,6 +1,6 @@
-"""Before the first enable on real drives: six sentences, a typed confirmation with a name, kept with a fingerprint of the drives.
+"""Before the first enable on real drives: six sentences, a typed confirmation with a name, stored with a fingerprint of the drives.
 
-Source: users.md 5 (text).  Asked again after every change of drive, EDS or DBC, mechanics or zero, because the fingerprint is another one.
+Source: users.md 5 (text).  Required again after every change of drive, EDS or DBC, mechanics or zero, because the fingerprint changes.
 """
 
 import dataclasses
@@ -61,7 +61,7 @@ def _digest_of(cell: Cell, name: str) -> str:
 
 
 def log_of(cell: Cell) -> pathlib.Path:
-    """Beside the zeros."""
+    """Next to the zeros."""
     return zeros.path_of(cell).with_suffix(".enable.jsonl")
 
 
@@ -79,7 +79,7 @@ def unconfirmed(cell: Cell) -> list[str]:
 
 
 def needed(cell: Cell, *, simulated: bool) -> list[str]:
-    """Axes that want a confirmation before this cell may be run on its real buses."""
+    """Axes that need a confirmation before this cell may run on its real buses."""
     real = {bus.name for bus in cell.bus if not bus.simulated} - set(listening(cell, simulated=simulated))  # nothing is enabled on those
     if simulated or cell.cell.target == "simulation":
         return []
@@ -87,7 +87,7 @@ def needed(cell: Cell, *, simulated: bool) -> list[str]:
 
 
 def confirm(cell: Cell, axes: list[str], ask: Callable[[str], str], say: Callable[[str], None]) -> bool:
-    """Show the text, ask for the words and a name, write it down; False when anything else was typed."""
+    """Show the text, ask for the words and a name, store them; False when anything else was typed."""
     say(TEXT)
     say(f"New or changed since the last confirmation: {', '.join(axes)}")
     typed = ask(f'Type "{WORDS}" and your name: ').strip()

@@ -1,4 +1,4 @@
-"""How long and how far drives run on when SYNC, the gateway's heartbeat or the gateway is gone: measured by the emulator's record."""
+"""How long and how far drives run on when SYNC, the gateway's heartbeat or the gateway fails: measured from the emulator's record."""
 
 import html
 import json
@@ -49,7 +49,7 @@ class Stop:
 
 
 def losses_of(cell: Cell) -> list[str]:
-    """What can be lost in this cell: a SERVODYN bus has no heartbeat."""
+    """Possible losses in this cell: a SERVODYN bus has no heartbeat."""
     canopen = any(BUS_PROTOCOLS[bus.protocol].nodes for bus in cell.bus)
     return ["heartbeat", "sync", "gateway"] if canopen else ["sync", "gateway"]
 
@@ -93,7 +93,7 @@ def cycle_again(client: ToolClient) -> None:
 
 
 def allowed_ms(bus: Bus, period_ms: float) -> float:
-    """By when a drive has to react: its supervision time, one cycle for the drive, one for what shows it."""
+    """Time limit for a drive's reaction: its supervision time, one cycle for the drive, one for the record."""
     supervision = max(2 * period_ms, bus.heartbeat_ms * MISSED) if BUS_PROTOCOLS[bus.protocol].nodes else 2 * period_ms
     return float(supervision + 2 * period_ms)
 
@@ -112,7 +112,7 @@ def _far(client: ToolClient, cell: Cell, mask: int, velocity: float, *, low: boo
 
 
 def _lose(client: ToolClient, cell: Cell, loss: str) -> int:
-    """What it was, from when on; the monotonic clock's ns."""
+    """Cause the loss; return its start in ns of the monotonic clock."""
     if loss == "gateway":
         stamp = time.monotonic_ns()
         end_cycle(client)
@@ -170,7 +170,7 @@ def _stop(cell: Cell, number: int, records: dict[str, Record], loss: str, lost_n
 
 
 def _period_ms(record: Record) -> float:
-    """The clock the drives were given."""
+    """The cycle time of the drives."""
     settings = record.header["settings"]
     assert isinstance(settings, dict)
     return float(settings["cycle_ms"])
@@ -186,7 +186,7 @@ def _standstill(rows: list[Row], place: int) -> Row | None:
     return found
 
 
-EVIDENCE = {  # what was measured -> how it is reported
+EVIDENCE = {  # measurement -> form of the report
     "emulator": "evidence: emulator, not this machine. Measured at the emulated motor shaft, from the loss to the last movement.",
     "bus": "evidence: these drives, on this bus. Measured by 6064h, from the last SYNC or heartbeat to the last change.",
 }

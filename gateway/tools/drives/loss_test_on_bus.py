@@ -26,7 +26,7 @@ from protocols.canopen import sdo
 
 POSITION = (0x6064, 0)
 ANSWER_S = 0.05  # patience with one answer
-SLOPE_NS = 40_000_000  # speed is measured over so much
+SLOPE_NS = 40_000_000  # time over which speed is measured
 REST_INC_S = 50  # below it a drive is at standstill
 SLOWER = 0.9  # of its speed: it has begun to stop
 LISTEN_S = 0.5
@@ -48,7 +48,7 @@ class Witness:
         self.last_life: Ns = 0  # last heartbeat or SYNC of the gateway
 
     def listen(self, seconds: float) -> None:
-        """What the cycle makes them say."""
+        """Frames that the cycle makes them send."""
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             select.select([self.port], (), (), left)
@@ -63,7 +63,7 @@ class Witness:
                 select.select([self.port], (), (), left)
 
     def _take(self, asked: int) -> bool:
-        """Everything that waits; True: `asked` has answered."""
+        """All waiting frames; True: `asked` has answered."""
         answered = False
         for frame in self.port.receive():
             if frame.identifier in (cobid.SYNC, cobid.heartbeat(GATEWAY_NODE)):
@@ -88,7 +88,7 @@ def measure(client: ToolClient, cell: Cell, urls: Mapping[str, str], velocity: f
     """The cycle is ended in the middle of a move of all axes; `urls`: bus -> CAN port.  It may start again after `patience_s`."""
     axes = drives_of(cell)
     losstest.under_way(client, cell, mask_of(cell, [axis.name for axis in cell.axis]), velocity)
-    with contextlib.ExitStack() as stack:  # opened only now: a port nobody reads for a while is full of the past
+    with contextlib.ExitStack() as stack:  # opened only now: the buffer of a port that is not read for a while is full of old frames
         witnesses: dict[str, Witness] = {}
         for name in dict.fromkeys(axis.drive.bus for axis in axes):
             port = open_can(urls[name])

@@ -1,4 +1,4 @@
-"""A CANopen bus without a cycle: who is there, and one node started up by hand; the tool's own port is the only master then."""
+"""A CANopen bus without a cycle: find its nodes, and start one up by hand; the tool's own port is the only master then."""
 
 import contextlib
 import time
@@ -31,7 +31,7 @@ from protocols.canopen import cob_id as cobid
 from protocols.canopen import nmt, sdo
 
 QUIET_S = 0.4  # after the last request: a node that has not answered by then is not there
-AGAIN_S = 2.0  # once more with so much time where no node answered at all: a loaded machine, a bus that has just come up
+AGAIN_S = 2.0  # one retry with this time if no node answered at all: a loaded computer, a bus that has just come up
 MISSED = 6  # heartbeats of the tool the drive may miss: a tool has no real-time priority
 CONSUMER_HEARTBEAT = 0x1016
 IP_PERIOD_MS = 40  # between two SYNCs of a tool
@@ -129,7 +129,7 @@ def _await_start(node: Node, signals: Signals, life: Heartbeat, timeout_s: float
 
 
 def _move(master: CanopenMaster, node: Node, manual: Manual, signals: Signals, life: Heartbeat) -> Moved:
-    """The move; then the drive is off, or ManualError says that it is not."""
+    """The move; then the drive is off, or ManualError reports that it is not."""
 
     def ends() -> str:
         life.alive()

@@ -1,1 +1,1 @@
-"""What an editor asks of a program of an old controller: faults, outline, hover, definition; `axisgate lsp` serves it."""
+"""Editor requests about a program of an old controller: faults, outline, hover, definition; `axisgate lsp` serves them."""

@@ -72,7 +72,7 @@ class _Files:
 
 
 def _others(library: Library, folder: Path, own: str) -> Iterator[Symbol]:
-    """Programs of the memory and what they make public."""
+    """Programs of the memory and their public names."""
     for name in library.names():
         if name != own and (program := library.tree(name)) is not None:
             files = _Files(folder, folder / f"{name}.QLL")

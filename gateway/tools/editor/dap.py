@@ -49,7 +49,7 @@ LANGUAGES: Mapping[str, Callable[[Path, Row], Debugged]] = {
 
 
 def language_of(path: Path) -> Callable[[Path, Row], Debugged] | None:
-    """What runs a file."""
+    """The language that runs a file."""
     return LANGUAGES.get(path.suffix.lower())
 
 
@@ -150,7 +150,7 @@ class Adapter:
         return {}
 
     def _go_on(self) -> None:
-        """Some rounds; what came of it."""
+        """Run some rounds; return the outcome."""
         run = self._needed()
         for _ in range(ROUNDS):
             going = run.go_on()
@@ -303,7 +303,7 @@ def shown(value: object) -> str:
 
 
 def sentence(fault: Exception) -> str:
-    """What to show of it."""
+    """Text to show for it."""
     match fault:
         case KeyError():
             return f"{fault.args[0]} is missing"

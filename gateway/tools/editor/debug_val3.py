@@ -98,7 +98,7 @@ class Val3Debugged:
 
 
 def _event(text: str) -> Event:
-    """S WHAT=VALUE."""
+    """S NAME=VALUE."""
     seconds, _, what = text.strip().partition(" ")
     return event_of(seconds, what)
 

@@ -1,4 +1,4 @@
-"""What the debug adapter needs of a language: one run of a program in virtual time."""
+"""The debug adapter's interface to a language: one run of a program in virtual time."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -33,13 +33,13 @@ class Debugged(Protocol):
         """It starts; `entry`: held before its first statement."""
 
     def go_on(self) -> bool:
-        """One look at the cell; False: nothing can happen any more."""
+        """One round of the cell; False: nothing can happen any more."""
 
     def held(self) -> int | None:
         """The thread the debugger holds."""
 
     def resume(self, thread: int, how: Step) -> None:
-        """Lets it go on in this way."""
+        """Continue it in this way."""
 
     def pause(self) -> None:
         """Holds each thread before its next statement."""
@@ -51,10 +51,10 @@ class Debugged(Protocol):
         """Number and name of each."""
 
     def calls(self) -> Iterator[Call]:
-        """Of all threads."""
+        """Calls of all threads."""
 
     def output(self) -> list[str]:
-        """What has happened since the last look, a line each."""
+        """Output since the last look, one line each."""
 
 
 def next_lines(lines: Sequence[int], wanted: Sequence[int]) -> list[int | None]:

@@ -28,12 +28,12 @@ KINDS = {
     "type": lsp.SymbolKind.Class,
     "label": lsp.SymbolKind.Key,
 }
-QUIET_S = 0.3  # nobody has typed for so long
+QUIET_S = 0.3  # pause after the last key
 SEVERITIES = {Severity.ERROR: lsp.DiagnosticSeverity.Error, Severity.WARNING: lsp.DiagnosticSeverity.Warning}
 
 
 class Looks:
-    """What is known of each open document; read again when a text has changed."""
+    """Results for each open document; recomputed when a text has changed."""
 
     def __init__(self, server: LanguageServer) -> None:
         self._server = server
@@ -52,7 +52,7 @@ class Looks:
         return self._looks[key]
 
     def forget_others(self, uri: str) -> None:
-        """A text has changed: what others were found to be may rest on it."""
+        """A text has changed: results for other documents may depend on it."""
         self._looks = {each: look for each, look in self._looks.items() if each[0] == uri}
 
     def _read(self, document: TextDocument) -> Look:
@@ -71,14 +71,14 @@ class Looks:
 
 
 class OtherDocuments:
-    """Open documents that are not typed in: they may include, import or call what was typed, and are checked after the last key."""
+    """Open documents without edits: they may include, import or call the edited one, and are checked after the last key."""
 
     def __init__(self, publish: Callable[[str], None]) -> None:
         self._publish = publish
         self._timer: asyncio.TimerHandle | None = None
 
     def later(self, uris: Sequence[str], seconds: float = QUIET_S) -> None:
-        """One after the other: a key that is pressed meanwhile is served first, and begins anew."""
+        """In sequence: a key pressed in between is served first, and restarts it."""
         if self._timer is not None:
             self._timer.cancel()
         self._timer = asyncio.get_running_loop().call_later(seconds, self._next, uris) if uris else None
@@ -120,7 +120,7 @@ def made_server() -> LanguageServer:
     @server.feature(lsp.TEXT_DOCUMENT_DID_CLOSE)
     def closed(params: lsp.DidCloseTextDocumentParams) -> None:
         server.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(params.text_document.uri, []))
-        looks.forget_others("")  # what is on the disk counts again
+        looks.forget_others("")  # the file on the disk counts again
         for uri in server.workspace.text_documents:
             publish(uri)
 
@@ -194,7 +194,7 @@ def _diagnostic(line: int, column: int, document: TextDocument, fault: SourceFau
 
 
 def _outline(symbols: Sequence[Symbol], document: TextDocument) -> list[lsp.DocumentSymbol]:
-    """Routines hold what they declare."""
+    """Nest symbols in the routines that declare them."""
     routines: dict[str, list[lsp.DocumentSymbol]] = {}
     top: list[lsp.DocumentSymbol] = []
     for each in sorted(symbols, key=lambda one: (one.inside != "", one.line, one.column)):

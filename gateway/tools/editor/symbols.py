@@ -1,4 +1,4 @@
-"""What an editor knows of a source: its faults, its names with their places, and the words of its language."""
+"""A source in an editor: its faults, its names with their places, and the words of its language."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -42,7 +42,7 @@ class PlacedFault:
 
 @dataclass(frozen=True)
 class Look:
-    """A source as it is now.  `names` and `others` are read when a symbol is asked for: faults come with each key."""
+    """The present state of a source.  `names` and `others` are read when a symbol is requested: faults come with each key."""
 
     faults: tuple[PlacedFault, ...] = ()
     names: Callable[[], Iterable[Symbol]] = tuple
@@ -51,12 +51,12 @@ class Look:
 
     @cached_property
     def symbols(self) -> tuple[Symbol, ...]:
-        """Of this file, in its order."""
+        """Symbols of this file, in its order."""
         return tuple(self.names())
 
     @cached_property
     def elsewhere(self) -> tuple[Symbol, ...]:
-        """Of other files of the memory, that this one may name."""
+        """Symbols of other files of the memory that this one may use."""
         return tuple(self.others())
 
     def named(self, name: str, line: int) -> Symbol | None:
@@ -69,7 +69,7 @@ class Look:
         return found[0] if found else None
 
     def hover(self, name: str, line: int) -> str:
-        """What to show for a name; "" where it is unknown."""
+        """Hover text for a name; "" if it is unknown."""
         symbol = self.named(name, line)
         if symbol is not None:
             return f"**{symbol.name}** {symbol.kind}" + (f": {symbol.detail}" if symbol.detail else "")
@@ -77,7 +77,7 @@ class Look:
 
 
 class EditedLanguage(Protocol):
-    """A language an editor may ask about."""
+    """A language for the editor."""
 
     name: str
     suffixes: tuple[str, ...]

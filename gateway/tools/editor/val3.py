@@ -40,7 +40,7 @@ class Val3:
                 disk.write(each.relative_to(disk_root).as_posix(), text.encode())
         loader = Loader(disk, AXES, family=family_of_arm(AXES))
         loaded = loader.load(folder, name)
-        assert loaded is not None  # the project file is there
+        assert loaded is not None  # the project file exists
         own = path.relative_to(disk_root).as_posix()
         text = (disk.read(own) or b"").decode("utf-8-sig", "replace")
         begins = {each.name: begin_of(text, each.line) for each in loaded.app.programs.values() if each.file == own}
@@ -71,7 +71,7 @@ def begin_of(text: str, line: int) -> int:
 
 
 def _faults(app: Application, loaded: Faults, own: str, begins: dict[str, int]) -> Iterator[tuple[int, SourceFault]]:
-    """Line in the file and fault: what programs report counts from their `begin`, the rest from the top of the file."""
+    """Line in the file and fault: faults of programs count from their `begin`, the rest from the top of the file."""
     for fault in loaded:
         if fault.position.file == own and fault.id not in OF_CODE:
             yield fault.position.line, fault

@@ -22,7 +22,7 @@ SHORT = 32  # characters every station accepts
 MOST_CONFLICTS = 16  # blocks a partner may send before our job: then it leaves no room for it
 NO_ANSWER = "no answer to STX within QVZ/ADT {:.0f} ms"
 UNANSWERED = "no answer to the block within QVZ/ADT {:.0f} ms"
-SEEN = {  # what became of one attempt; the first value is QVZ in ms
+SEEN = {  # result of one attempt; the first value is QVZ in ms
     (Stage.CONNECT, Failure.SILENT): NO_ANSWER,
     (Stage.CONNECT, Failure.NAK): "NAK to STX",
     (Stage.CONNECT, Failure.WRONG): "another character than DLE to STX",

@@ -58,7 +58,7 @@ def _disturbed(seen: Evidence) -> bool:
 
 
 def _listen(bench: Bench, how_long: Ns, seen: Evidence) -> list[Heard]:
-    """Everything that comes until it was quiet so long; the partner's own blocks are taken, or it repeats them into every test."""
+    """Everything until it was quiet so long; the partner's own blocks are accepted, otherwise it repeats them into every test."""
     bench.mark = max(bench.mark, bench.wire.now())
     heard: list[Heard] = []
     most = len(seen.blocks) + OWN_BLOCKS
@@ -79,7 +79,7 @@ def _take(bench: Bench, seen: Evidence) -> None:
 
 
 def _connect(bench: Bench, seen: Evidence) -> Heard | None:
-    """What comes after STX; where the partner wishes to send at the same time it may, and ours is tried again."""
+    """The answer to STX; if the partner requests the line at the same time it may send, and ours is tried again."""
     got: Heard | None = None
     for _ in range(CONFLICTS):
         bench.say(bytes((Char.STX,)))
@@ -94,7 +94,7 @@ def _connect(bench: Bench, seen: Evidence) -> Heard | None:
 
 
 def _stx(bench: Bench, seen: Evidence) -> list[Heard]:
-    """What comes after STX, until it is quiet: DLE, and NAK when the character delay is over."""
+    """The answer to STX, until it is quiet: DLE, and NAK when the character delay is over."""
     own, begun = len(seen.blocks), max(bench.mark, bench.wire.now())
     got = _connect(bench, seen)
     if got == Char.DLE and len(seen.blocks) == own:
@@ -117,7 +117,7 @@ def _slow(seen: Evidence) -> Ns:
 
 
 def _late(bench: Bench, seen: Evidence) -> None:
-    """Who says nothing in time may say it later: that is a slow partner, not a silent one."""
+    """A partner without an answer in time may answer later: it is slow, not silent."""
     start = bench.mark
     got = bench.answer(PATIENCE)
     if got is not None:

@@ -26,7 +26,7 @@ def text_of(path: pathlib.Path) -> str:
 
 
 def characters(text: str) -> Characters:
-    """What went over the line, in order of the stamps."""
+    """Characters on the line, in order of the stamps."""
     if text.lstrip().startswith(("dialogue", "station")) or "\ndialogue " in text:
         yield from _of_journal(text)
         return
@@ -80,7 +80,7 @@ def line_format(text: str) -> tuple[int, str]:
 
 
 def of_line(tolds: list[LineReport], source: str, line_format: LineFormat) -> tuple[Learned, str]:
-    """The same out of what a monitor received.  NoTrace when there was no block."""
+    """The same from the characters of a monitor.  NoTrace if there was no block."""
     seen = learn(tolds)
     if not seen.blocks:
         if seen.tests:
@@ -93,7 +93,7 @@ def of_line(tolds: list[LineReport], source: str, line_format: LineFormat) -> tu
 
 
 def learned(path: pathlib.Path) -> tuple[Learned, str]:
-    """What was seen and the draft.  OSError, NoTrace."""
+    """The observations and the draft.  OSError, NoTrace."""
     text = text_of(path)
     seen = learn(decoded(text))
     if not seen.blocks:

@@ -28,7 +28,7 @@ def open_wire(url: str, line_format: str = "9600 8E1") -> Wire:
 
 
 def open_port(url: str, line_format: str = "9600 8E1", marks: bool | None = None) -> ToolPort:
-    """A real port; `sim:` is none.  marks: of a pty, where its other end does not say."""
+    """A real port; `sim:` is none.  marks: for a pty whose other end does not announce them."""
     wanted = parse_format(line_format)
     if url.startswith("line:"):
         url = _of_a_run(url)

@@ -12,7 +12,7 @@ TYPES = {kind.value.upper(): kind for kind in Step5Type}
 
 
 class BadInput(ValueError):
-    """The command line does not fit; the text names what was expected."""
+    """The command line is wrong; the text names the expected form."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ def kinds(text: str) -> list[Step5Type]:
 
 
 def number(kind: Step5Type, text: str) -> Value:
-    """What a person writes for a type: 1200, -3, 0A1Fh or 0x0A1F (KH, KM), 12,34 (KY, KT), AB (KC), 1200.5 (KG, REAL)."""
+    """Operator input for a type: 1200, -3, 0A1Fh or 0x0A1F (KH, KM), 12,34 (KY, KT), AB (KC), 1200.5 (KG, REAL)."""
     try:
         match kind:
             case Step5Type.KC:

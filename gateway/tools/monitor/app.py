@@ -80,7 +80,7 @@ class Monitor(App[None]):
         await self.refresh_look()
         self.set_interval(TICK_S, self.refresh_look)
 
-    # ---- what is shown -------------------------------------------------------------------------------------------------
+    # ---- display -----------------------------------------------------------------------------------------------------
     @property
     def tab(self) -> str:
         """The one in front."""

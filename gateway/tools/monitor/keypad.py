@@ -1,4 +1,4 @@
-"""The hand-held unit of an old controller as the services describe it: size, keys by name, and what types them on a keyboard."""
+"""The hand-held unit of an old controller as described by the services: size, keys by name, and their keyboard keys."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

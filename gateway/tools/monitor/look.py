@@ -21,16 +21,16 @@ from gateway.web.line_view import LineViews
 
 TABS = ("axes", "signals", "lines", "errors")
 FILTERS = ("all", "on", "forced", "old")
-SILENT_MS = 1000.0  # a cycle silent for so long may be that of a run which has ended
+SILENT_MS = 1000.0  # a cycle silent for so long may be that of an ended run
 
 
 class NoRun(Exception):
-    """No such run, or one whose cell file is gone; in words."""
+    """No such run, or one whose cell file is missing; in words."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What the regions have to know of a run."""
+    """Data of a run that the regions need."""
 
     cell: Cell
     p5_ms: int
@@ -72,7 +72,7 @@ class Look:
         self.lines = LineViews(cell, self.services_link)
 
     async def still(self) -> bool:
-        """Whether the run lives; one that was started again under the same name is attached to.  NoRun: its cell is gone."""
+        """Whether the run is alive; one restarted under the same name is attached to.  NoRun: its cell is missing."""
         try:
             status = await supervisor(self.name, "status")
             self.alarms = [str(alarm) for alarm in status.get("alarms", [])]
@@ -83,7 +83,7 @@ class Look:
         return True
 
     async def table(self, tab: str) -> list[Table]:
-        """What a tab shows now."""
+        """Present content of a tab."""
         regions = self._regions()
         regions.look()
         match tab:

@@ -17,7 +17,7 @@ from gateway.tools.monitor.keypad import ARROWS, Unit, key_of, keys_of
 from gateway.tools.monitor.widgets import Help
 
 TICK_S = 0.2
-SETTLED_S = 0.3  # the control reads its keys within 5 ms; what is shown follows within 200 ms
+SETTLED_S = 0.3  # the control reads its keys within 5 ms; the display follows within 200 ms
 HOLD_S = 0.15  # repeat interval of a held key; the services release one that is silent for half a second
 FEW_LINES = 8  # a larger display has flat keys
 FRAME = 2
@@ -71,7 +71,7 @@ class PanelLink:
 
 
 class PanelError(Exception):
-    """What the panel would not do, in its words."""
+    """A refusal of the panel, in its words."""
 
 
 def framed(lines: list[str], columns: int) -> str:
@@ -100,7 +100,7 @@ class Key(Button):
 
 
 class Pendant(App[None]):
-    """Keys go to the panel one after another; what it shows comes back with each, and five times a second."""
+    """Sends keys to the panel one at a time; the display is returned with each, and five times a second."""
 
     TITLE = "axisgate pendant"
     ENABLE_COMMAND_PALETTE = False
@@ -227,7 +227,7 @@ class Pendant(App[None]):
 
     # ---- control ---------------------------------------------------------------------------------------------------------
     async def _alive(self) -> None:
-        """What is in control shows life; silent for a second it counts as gone (AX-312)."""
+        """A client in control must send signs of life; after a second of silence it counts as gone (AX-312)."""
         try:
             self.holds = bool((await self.link.ask(op="alive"))["holds"])
         except (Gone, PanelError):

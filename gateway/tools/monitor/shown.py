@@ -118,9 +118,9 @@ def shown(entry: Entry, value: object) -> str:
 
 
 def sources_table(regions: Regions) -> Table:
-    """Lines and servers with what they counted."""
+    """Lines and servers with their counters."""
     rows, marks = [], []
-    known = regions.head()["services_alive"]  # of services that are away nobody knows what their links do
+    known = regions.head()["services_alive"]  # without the services the state of their links is unknown
     for source in regions.status.get("command_sources", []):
         link = "?" if not known else "up" if source["alive"] else "DOWN"
         counted = ", ".join(

@@ -9,7 +9,7 @@ GAP = "  "
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """`marks` of the rows: "", "old", "warn" or "bad"; each colours a row and is always given in words too."""
+    """`marks` of the rows: "", "old", "warn" or "bad"; each colours a row and is always also given in words."""
 
     title: str
     columns: tuple[str, ...]

@@ -23,7 +23,7 @@ class LiveTable(DataTable[Text]):
         self._drawn: list[tuple[tuple[str, ...], str]] = []  # rows with their marks as shown in the widget
 
     def show(self, table: Table) -> None:
-        """A table of other columns or another number of rows is built anew."""
+        """A table with other columns or another number of rows is rebuilt."""
         self.border_title = table.title
         marks = table.marks or ("",) * len(table.rows)
         rows = list(zip(table.rows, marks, strict=True)) or [((table.empty or "none", *[""] * (len(table.columns) - 1)), "")]

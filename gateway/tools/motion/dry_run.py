@@ -1,7 +1,7 @@
 """Dry run of a program, belt-synchronous sections included: finds blocks that cannot be executed, computes the axes.
 
-Synchronous parts are looked at as the planner does it before an order is taken (gateway.pure.planning.parts), and run by what runs them in
-the cycle (gateway.pure.cycle.belts), on the grid of the page.
+Synchronous parts are checked like an order in the planner (gateway.pure.planning.parts), and run by the code of the cycle
+(gateway.pure.cycle.belts), on the grid of the page.
 """
 
 import math
@@ -37,7 +37,7 @@ from motion.sync.belts import SIMULATION, Type
 from motion.sync.facts import BeltFacts
 
 NO_FILES = Files()
-LEAD_S = 0.5  # so long before the value its part begins at a belt starts: its filter has settled by then
+LEAD_S = 0.5  # lead of a belt's start before the value at which its part begins: its filter has settled by then
 MOST_S = 600.0  # of one part
 
 
@@ -136,7 +136,7 @@ class _Looked:
         self._numbers.append(number)
 
     def reset(self, places: Sequence[float]) -> None:
-        """Behind what no route knows."""
+        """Restart after blocks that no route covers."""
         self._route.reset(places)
 
     def finish(self) -> None:

@@ -28,8 +28,8 @@ SAME = 1e-9  # m or rad
 
 @dataclass(frozen=True)
 class CellFacts:
-    """What of its cell a program is looked at with.  numbers: of its kinematics in the cell; altered: numbers of those that have a
-    correction, None: no cell was named; speeds, p5_ms: as gateway.tools.motion.dry_run.DryRun has them."""
+    """Facts of the cell in which a program is checked.  numbers: of its kinematics in the cell; altered: numbers of those that have a
+    correction, None: no cell was named; speeds, p5_ms: as in gateway.tools.motion.dry_run.DryRun."""
 
     belts: Sequence[BeltFacts] = ()
     numbers: Sequence[int] = ()
@@ -38,7 +38,7 @@ class CellFacts:
     p5_ms: int = 1
 
     def number(self, member: int) -> int:
-        """Of a kinematic of the program, from 0, in its cell."""
+        """Number of a kinematic of the program, from 0, in its cell."""
         return self.numbers[member] if self.numbers else member + 1
 
     def option(self, member: int) -> bool:
@@ -77,7 +77,7 @@ class TeamFindings:
 
 
 class _Looked:
-    """What has been looked at so far, section by section."""
+    """Sections checked so far."""
 
     def __init__(self, team: Team, start: Sequence[float], files: Files, cell_facts: CellFacts) -> None:
         self.team, self.faults, self.files, self.cell_facts = team, list[BlockError](), files, cell_facts
@@ -190,7 +190,7 @@ def team_traces(findings: TeamFindings, team: Team, cell_facts: CellFacts = NO_C
 
 
 def _traced(section: TeamSection, team: Team, start: Joints, cell_facts: CellFacts, period: float) -> Iterator[Trace]:
-    """Of each kinematic in a section."""
+    """Traces of each kinematic in a section."""
     if section.alone is not None:
         yield from _alone(section, section.alone, team, start, cell_facts, period)
         return
@@ -226,7 +226,7 @@ def _again(section: TeamSection, team: Team, start: Joints) -> list[Stretch]:
 
 
 def _numbered(stretch: Stretch, blocks: int) -> Stretch:
-    """So many blocks later."""
+    """Shifted by so many blocks."""
     if isinstance(stretch, TeamStretch):
         parts = tuple((n, _numbered(own, blocks)) for n, own in stretch.parts)
         return replace(stretch, block=stretch.block + blocks, parts=parts)

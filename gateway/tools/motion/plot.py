@@ -57,7 +57,7 @@ def _head(title: str, who: str, blocks: int, trace: Trace) -> str:
 
 
 def _body(machine: Machine, trace: Trace) -> list[str]:
-    """What one robot does."""
+    """Charts of one robot."""
     return [
         "<h2>Path of the tool</h2>",
         *(draw(chart, 860, 420) for chart in _planes(trace.tool, np.searchsorted(trace.t, [t for _, t in trace.ends]).tolist())),
@@ -85,7 +85,7 @@ def _alterable(program: Program) -> list[str]:
 
 
 def way_charts(machine: Machine, findings: Findings) -> list[Chart]:
-    """The path of a program alone, without its times: what `route_of` found, from above and from the side."""
+    """The path of a program alone, without times: the result of `route_of`, from above and from the side."""
     tools, ends = [], []
     for stretch in findings.stretches:
         tools.append(tool_places(stretch, machine, WAY_POINTS))

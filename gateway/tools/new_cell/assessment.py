@@ -16,23 +16,23 @@ class Verdict(IntEnum):
     """The worst one of all answers counts."""
 
     YES = 0
-    WITH = 1  # can be done with what the reason names
+    WITH = 1  # possible with the addition named by the reason
     NO = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """One question; `answers`: word -> what it means, empty where a number or a list is asked."""
+    """One question; `answers`: word -> its meaning, empty if a number or a list is expected."""
 
     key: str
     text: str
     answers: Mapping[str, str]
-    free: str = ""  # what a free answer looks like
+    free: str = ""  # form of a free answer
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """What one answer means."""
+    """Consequence of one answer."""
 
     key: str
     answer: str
@@ -69,7 +69,7 @@ LOOKS = {"p15": (r"-|\d{1,2}( *, *\d{1,2})*", "numbers with commas, or -"), "axe
 
 
 def judge(asked: Asked, answer: str) -> None:
-    """Raises BadAnswer naming what is allowed."""
+    """Raises BadAnswer naming the valid answers."""
     if asked.answers and answer not in asked.answers:
         raise BadAnswer(f"{asked.key} = {answer or '(nothing)'}: one of {', '.join(asked.answers)}")
     if not asked.answers and not answer:
@@ -81,7 +81,7 @@ def judge(asked: Asked, answer: str) -> None:
 
 
 def assess(answers: Mapping[str, str]) -> list[Reason]:
-    """A reason for each of the ten answers, in their order; raises BadAnswer naming what is allowed."""
+    """A reason for each of the ten answers, in their order; raises BadAnswer naming the valid answers."""
     for asked in ASKED:
         judge(asked, answers.get(asked.key, ""))
     found = [_control(answers), _boards(answers), _axes(answers), *_by_table(answers), _risk(answers)]

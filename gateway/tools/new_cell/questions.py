@@ -1,4 +1,4 @@
-"""The questions of `axisgate new`, for each kind of cell: key, text, default, and what an answer must look like."""
+"""The questions of `axisgate new`, for each kind of cell: key, text, default, and the form of an answer."""
 
 import ipaddress
 import re
@@ -9,7 +9,7 @@ from gateway.pure.cell.modbus import Modbus
 
 
 class BadAnswer(ValueError):
-    """An answer that no cell can be made of; the message names key, answer and what is allowed."""
+    """An answer that cannot be used for a cell; the message names key, answer and valid values."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ QUESTIONS: Mapping[str, tuple[Question, ...]] = {
 
 
 def answered(kind: str, given: Mapping[str, str], ask: Callable[[Question], str]) -> dict[str, str]:
-    """Each question's answer: given, else asked; an empty one is the default.  Raises BadAnswer."""
+    """The answer to each question: given, else asked; an empty one is the default.  Raises BadAnswer."""
     unknown = set(given) - {question.key for question in QUESTIONS[kind]}
     if unknown:
         keys = ", ".join(question.key for question in QUESTIONS[kind])

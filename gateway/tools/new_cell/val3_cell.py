@@ -16,7 +16,7 @@ SECTION = re.compile(r"^\[", re.M)
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """What is known of the card.  rest: the drives, robot and plant of a cell of that arm, from [rc_inputs] on."""
+    """Facts from the card.  rest: the drives, robot and plant of a cell of that arm, from [rc_inputs] on."""
 
     card: Card
     application: str
@@ -91,7 +91,7 @@ def distinct(links: Iterable[Link]) -> list[Link]:
 
 
 def cell_of(parts: Parts) -> tuple[str, list[str]]:
-    """The text of the cell, and what a person has to see to."""
+    """The text of the cell, and the remaining tasks of the user."""
     points, doubts = _Points(), list(parts.card.doubts)
     links = distinct(parts.links)
     for link in links:
@@ -119,7 +119,7 @@ def cell_of(parts: Parts) -> tuple[str, list[str]]:
 
 
 def port_words(row: CardChannel) -> str:
-    """What only the machine shows."""
+    """Settings that only the machine shows."""
     if row.kind == "serial":
         return "name its port in address; /dev/ttyS0 and so on are assumed"
     return "" if row.with_port else "sio.cfx has no port for it; set port"
