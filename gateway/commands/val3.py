@@ -20,7 +20,7 @@ from gateway.pure.languages.val3.sealed import SHORTEST_SECRET, public_of
 from gateway.pure.languages.val3.virtual import Run, declare_links, summary
 from gateway.pure.languages.val3.virtual_events import EventFault, event_of
 from gateway.runtime.exit_codes import Exit
-from gateway.tools.usage_language import complain
+from gateway.tools.usage_language import complain, val3_text
 from motion.errors import MotionError
 from motion.robot import Robot
 
@@ -109,7 +109,9 @@ def _check(options: argparse.Namespace) -> int:
             level = "" if fault.severity.value == "error" else f" {fault.severity.value}:"
             print(loaded.logged(fault).replace(")", f"){level}", 1))
         count = loaded.faults.errors
-        print(f"{name}: {len(loaded.app.programs)} programs, {len(loaded.app.data)} data, {count} {'error' if count == 1 else 'errors'}")
+        programs = len(loaded.app.programs)
+        counted = f"{programs} {'program' if programs == 1 else 'programs'}, {len(loaded.app.data)} data"
+        print(val3_text(f"{name}: {counted}, {count} {'error' if count == 1 else 'errors'}"))
     return Exit.FINDING if loaded.faults.errors else Exit.OK
 
 
@@ -142,7 +144,7 @@ def _run(options: argparse.Namespace) -> int:
     run = Run(machine, own, round(options.until * 1e9), events)
     run.go()
     result = run.result()
-    print(json.dumps(result, indent=1, ensure_ascii=False, sort_keys=False) if options.json else "\n".join(summary(result)))
+    print(json.dumps(result, indent=1, ensure_ascii=False, sort_keys=False) if options.json else "\n".join(map(val3_text, summary(result))))
     return Exit.FINDING if any(task.status > 1 for task in machine.tasks) else Exit.OK
 
 

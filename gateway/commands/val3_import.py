@@ -18,7 +18,7 @@ from gateway.pure.languages.val3.loader import Loader
 from gateway.pure.languages.val3.model import Application
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.new_cell.val3_cell import Parts, cell_of, drives_of
-from gateway.tools.usage_language import card_text
+from gateway.tools.usage_language import val3_text
 
 CELLS = {"rx": "cs8", "rs": "scara"}  # family of arms -> shipped cell whose drives and plant are taken
 
@@ -63,9 +63,9 @@ def _imported(options: argparse.Namespace, folder: pathlib.Path) -> int:
     if options.json:
         print(json.dumps({"file": str(out), "application": chosen.name, "doubts": doubts}, ensure_ascii=False))
     else:
-        print(card_text(f"{out} written, application {chosen.name}.  next: axisgate check {out}      then: axisgate run {out} --sim"))
+        print(val3_text(f"{out} written, application {chosen.name}.  next: axisgate check {out}      then: axisgate run {out} --sim"))
         for doubt in doubts:
-            print(f"  {card_text(doubt)}", file=sys.stderr)
+            print(f"  {val3_text(doubt)}", file=sys.stderr)
     return Exit.OK
 
 

@@ -49,9 +49,9 @@ def baps2_text(sentence: str) -> str:
     return spoken(*RHO3).german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
 
 
-def card_text(sentence: str) -> str:
-    """A sentence about a flash card, in the user's language."""
-    return spoken("val3-import").german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
+def val3_text(sentence: str) -> str:
+    """What `axisgate val3` reports around the words of the controller, in the user's language."""
+    return spoken("val3").german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
 
 
 def fault_text(fault: SourceFault, said: Callable[[str], str] = report_text) -> str:

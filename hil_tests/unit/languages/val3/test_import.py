@@ -313,3 +313,6 @@ def test_an_import_is_reported_in_german_and_names_a_wrong_port_once(
         "  Socket\\none: diesen Kanal hat sio.cfx nicht; ein [[val3.channel]] ergaenzen",
     ]
     assert 'name    = "valve1"' in out.read_text()
+    job = str(folder / "usr" / "usrapp" / "job")
+    assert main(["check", job]) == 0 and capsys.readouterr().out == "job: 2 Programme, 2 Daten, 0 Fehler\n"
+    assert main(["run", job, "--virtual"]) == 0 and capsys.readouterr().out.startswith("beendet nach ")
