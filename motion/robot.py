@@ -79,10 +79,10 @@ class Robot:
     geometry: Geometry
     axes: tuple[AxisOfRobot, ...]
     angles: str = "val3"
-    base: Pose = IDENTITY  # where the robot stands (rho 3: P310)
+    base: Pose = IDENTITY  # position of the robot (rho 3: P310)
     coupling: tuple[tuple[float, ...], ...] = ()
     source: str = "assumed"
-    shape: str = "jerk"  # of blocks that do not say: jerk or sin2
+    shape: str = "jerk"  # of blocks without their own shape: jerk or sin2
     too_fast: str | int = "slow"  # what becomes of a path too fast for an axis (motion.timing.limiter.too_fast)
 
     @property

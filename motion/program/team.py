@@ -15,7 +15,7 @@ class Shared:
 
     moves: tuple[Block | None, ...]
     line: int = field(default=0, compare=False)  # of the program text; 0: none
-    label: str = ""  # in front of it
+    label: str = ""  # before it
     acts: tuple[Act, ...] = ()  # done at rest before it
 
     @property
@@ -36,7 +36,9 @@ class Shared:
 
     @property
     def alone(self) -> tuple[int, Block] | None:
-        """The kinematic, from 0, that is on a belt or corrected, and its block with all that is said of this one; None: no part is."""
+        """Return the kinematic, from 0, that is on a belt or corrected, and its block with all its statements; None: outside
+        such a part.
+        """
         found = next(((n, own) for n, own in enumerate(self.moves) if own is not None and (own.synchron or own.alteration)), None)
         if found is None:
             return None
@@ -55,7 +57,7 @@ class Shared:
 
     @property
     def error(self) -> str:
-        """Label to go on at when its input never came."""
+        """Label at which to continue when its input never came."""
         return next((block.until.error for block in self.own if block.until is not None), "")
 
     @property
@@ -65,7 +67,7 @@ class Shared:
 
     @property
     def otherwise(self) -> str:
-        """Label to go on at where what one of them goes to was not measured or stored."""
+        """Label at which to continue when the target of one of them was not measured or stored."""
         return next((block.otherwise for block in self.own if block.otherwise), "")
 
     def carrying(self, what: tuple[Called | Output, ...]) -> "Shared":
@@ -101,7 +103,7 @@ class TeamProgram:
     name: str
     kinematics: tuple[Kinematic, ...]
     blocks: tuple[Shared, ...]
-    acts: tuple[Act, ...] = ()  # behind the last block
+    acts: tuple[Act, ...] = ()  # after the last block
 
     @property
     def start(self) -> tuple[float, ...]:

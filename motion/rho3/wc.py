@@ -1,8 +1,8 @@
 """Workpiece coordinate systems: WC_FRAME, WC_SYSTEM, WC_UR, P313.  Source: rho 3 Releases part 1, TO06 section 6, L8795-9070.
 
-A frame (dx, dy, dz mm, da, db, dc deg) gives the workpiece's zero in the original system; dc turns about z, then db
-about y', then da about x'' (L8817).  P313 selects for x, y, z, a, b, c which component of a world point holds it, 0 for none: what a
-machine has no component for is not corrected (L8905-8937).
+A frame (dx, dy, dz mm, da, db, dc deg) is the workpiece's zero in the original system; dc turns about z, then db
+about y', then da about x'' (L8817).  P313 selects for x, y, z, a, b, c which component of a world point holds it, 0 for none: coordinates
+without a component of the machine are not corrected (L8905-8937).
 """
 
 import math
@@ -86,7 +86,7 @@ class Assignment:
             raise MotionError(f"P313 {self.numbers}: six numbers of components, each at most once, 0 for none")
 
     def pose(self, point: Sequence[float]) -> Pose:
-        """Components (mm, deg) -> pose; what has no component is 0."""
+        """Convert components (mm, deg) to a pose; missing components are 0."""
         if any(number > len(point) for number in self.numbers):
             raise MotionError(f"P313 {self.numbers} names components that a point of {len(point)} does not have")
         return RHO3.pose([point[number - 1] if number else 0.0 for number in self.numbers])

@@ -1,7 +1,7 @@
 """VAL 3 alter: a transformation in real time on top of a path.  Pure state machine; the moves are in motion.sync.altered.
 
 Source: VAL 3 reference 13.1 (L6245-6480), doubts D15, D48.  The transformation is given in a frame (the whole path turns about its
-origin, then shifts) or in a tool (the same about the tool centre point).  The system takes the last value every 4 ms; in between the
+origin, then shifts) or in a tool (the same about the tool centre point).  The system reads the last value every 4 ms; in between the
 set values go straight from one to the next (AX-448).
 """
 
@@ -37,7 +37,7 @@ class Mode(Enum):
 
 @dataclass(frozen=True, slots=True)
 class AlterLimits:
-    """Of alterBegin's mdesc: joint speeds (rad/s or m/s), TCP m/s and rad/s; accel, decel: shares of the nominal ones."""
+    """Limits of alterBegin's mdesc: joint speeds (rad/s or m/s), TCP m/s and rad/s; accel, decel: shares of the nominal ones."""
 
     joints: tuple[float, ...]
     tcp: float
@@ -60,15 +60,16 @@ class AlterFault(MotionError):
 
 @dataclass(slots=True)
 class Alter:
-    """One arm.  period_s: of the set values, a whole part of every_s; stop_time_s: of the arm at nominal deceleration, from full speed.
+    """One arm.  period_s: of the set values, an integer fraction of every_s; stop_time_s: of the arm at nominal deceleration, from full
+    speed.
 
-    The owner reports what happens: path(), stopping(), running(); and takes the altered poses with step().
+    The owner reports events with path(), stopping(), running() and reads the altered poses with step().
     """
 
     period_s: float
     enabled: bool = True  # the option
     stop_time_s: float = 0.2
-    every_s: float = CYCLE_S  # so often the last value is taken
+    every_s: float = CYCLE_S  # period at which the last value is read
     mode: Mode = field(init=False, default=Mode.OFF)
     _reference: Reference = field(init=False, default=Reference.FRAME)
     _frame: Pose = field(init=False, default=IDENTITY)
@@ -91,7 +92,7 @@ class Alter:
     def begin(self, reference: Reference, frame: Pose, limits: AlterLimits, *, apart: bool = False) -> int:
         """alterBegin; frame: the reference in the world, or the tool on the flange.  1, 0 (waits for the alterable move), -1..-3.
 
-        apart: a standard move is queued behind the alterable path: after alterEnd the order is for the next one (L6294).
+        apart: a standard move is queued after the alterable path: after alterEnd the order is for the next one (L6294).
         """
         if not self.enabled:
             return NO_OPTION
@@ -128,7 +129,7 @@ class Alter:
         return DONE
 
     def end(self) -> int:
-        """alterEnd: what is altered now stays for the rest of the path.  1, -1, -3."""
+        """alterEnd: the present alteration stays for the rest of the path.  1, -1, -3."""
         if self.mode is Mode.ERROR:
             return IN_ERROR
         if self._next is not None:

@@ -1,8 +1,8 @@
-"""Alterable moves of VAL 3 on an arm: alterMovej/l/c beside the standard moves, and the altered set values.
+"""Alterable moves of VAL 3 on an arm: alterMovej/l/c in addition to the standard moves, and the altered set values.
 
-Source: VAL 3 reference 13.1 (L6245-6480).  An alterable path is a row of alterable moves between two standard ones.  The standard
-move behind it is computed only after alterEnd, from the position of the altered arm; here the arm is at rest there (AX-449).
-waitEndMove, open and close wait for the theoretical path alone, which `place()` reports.
+Source: VAL 3 reference 13.1 (L6245-6480).  An alterable path is a row of alterable moves between two standard ones.  The standard move
+after it is computed only after alterEnd, from the position of the altered arm; here the arm is at rest there (AX-449). waitEndMove, open
+and close wait for the theoretical path alone, which `place()` reports.
 """
 
 from collections import deque
@@ -45,9 +45,9 @@ class _Move:
 
 @dataclass
 class AlteredArm:
-    """A `Mover` for the motion stack: the arm with its alteration.  alterable: what the next add() is; step() once a period.
+    """A `Mover` for the motion stack: the arm with its alteration.  alterable: whether the next add() is alterable; step() once a period.
 
-    kinematics: of the arm's own joints; additional axes behind them go through unaltered.
+    kinematics: of the arm's own joints; additional axes after them are not altered.
     """
 
     inner: Inner
@@ -60,7 +60,7 @@ class AlteredArm:
     _later: deque[_Move] = field(init=False, default_factory=deque)  # wait for alterEnd
     _count: int = field(init=False, default=0)
     _last: _Move | None = field(init=False, default=None)  # the last one the inner arm was given
-    _held: bool = field(init=False, default=False)  # an error: the arm stands
+    _held: bool = field(init=False, default=False)  # an error: the arm stays at rest
     _dropping: bool = field(init=False, default=False)
     _finish: bool = field(init=False, default=False)
     _tip: Pose | None = field(init=False, default=None)  # tool centre point of the last period
@@ -70,7 +70,7 @@ class AlteredArm:
 
     # ---- Mover -------------------------------------------------------------------------------------------------------
     def add(self, block: Block) -> int:
-        """Queue a block; its number.  A standard move behind an alterable path is kept until alterEnd.  Raises BlockError."""
+        """Queue a block and return its number.  A standard move after an alterable path is kept until alterEnd.  Raise BlockError."""
         move = _Move(self._count + 1, block, self.alterable)
         if self._later or (self._last is not None and self._last.alterable and not move.alterable):
             if not self._later:
@@ -98,7 +98,7 @@ class AlteredArm:
         self.alter.stopping()
 
     def resume(self) -> None:
-        """Path and alter go on."""
+        """Continue path and alteration."""
         if not self._held:
             self.inner.resume()
         self.alter.running()
@@ -110,7 +110,7 @@ class AlteredArm:
         if self._held:
             self.alter.reset_motion()
         else:
-            self.alter.end()  # what is altered now stays until the arm stands
+            self.alter.end()  # the present alteration stays until the arm is at rest
         self._dropping = True
         self.inner.stop()
         self._drop_at_rest()
@@ -124,7 +124,7 @@ class AlteredArm:
 
     @property
     def apart(self) -> bool:
-        """A standard move waits behind the alterable path."""
+        """Return whether a standard move waits after the alterable path."""
         return any(not move.alterable for move in self._later)
 
     # ---- time --------------------------------------------------------------------------------------------------------
@@ -161,14 +161,14 @@ class AlteredArm:
         return made
 
     def _drop_at_rest(self) -> None:
-        """After resetMotion: once the path is at rest, planning goes on from where the arm really is."""
+        """After resetMotion: once the path is at rest, continue planning from the actual position of the arm."""
         if self._dropping and self.inner.resting:
             self.alter.reset_motion()
             self._dropping = self._held = False
             self._relocate()
 
     def _release(self) -> None:
-        """The alterable path is done and alterEnd was given (or there was no alterBegin): what waited is computed from here."""
+        """Compute the waiting moves from here: the alterable path is done, and alterEnd was called (or no alterBegin)."""
         if not self._later or self._held or self.alter.mode in (Mode.PENDING, Mode.ACTIVE, Mode.ERROR):
             return
         if self.inner.place().waiting or not self.inner.resting:
@@ -182,7 +182,7 @@ class AlteredArm:
             self._finish = False
 
     def _relocate(self) -> None:
-        """The inner arm stands where the altered one does."""
+        """Place the inner arm at the position of the altered one."""
         self.inner.resume()
         self.inner.joints = self.joints
         self.inner.abandon()
@@ -192,7 +192,7 @@ class AlteredArm:
 
 @dataclass
 class AlterMotion:
-    """The instructions of the option beside the motion stack.  nominal: joint speeds of the arm per s."""
+    """The option's instructions in addition to the motion stack.  nominal: joint speeds of the arm per s."""
 
     stack: MotionStack
     arm: AlteredArm

@@ -12,7 +12,7 @@ from motion.sync.reserve import borne, left_over
 from motion.sync.tracker import Tracker
 
 PROBE = 1e-4  # m or rad of belt: so far the axes are looked at
-ONWARD = 0.99  # of full speed, where a path began with less: room to come to it without a step
+ONWARD = 0.99  # of full speed, where a path began with less: room to reach it without a step
 SETTLING = 4  # periods after it has caught up: third differences of the set values still see it
 
 
@@ -33,8 +33,9 @@ class Carried:
         self.frame = self.part.carrier.frame(self.coupling.value)
 
     def bear(self, kinematics: PathKinematics, limits: Sequence[AxisLimits], q: Joints) -> None:
-        """Before engage(): getting on and off asks no more of the arm's axes than they bear where they are, at q, and the path beside
-        it no more than that leaves."""
+        """Limit the coupling before engage(): getting on and off uses no more than the arm's axes allow at q, and the path only the
+        remainder.
+        """
         value, carrier = self.part.value(self.tracker.ahead()), self.part.carrier
         moved = compose(carrier.frame(value + PROBE), carrier.frame(value).inverse())
         try:
@@ -70,7 +71,7 @@ class Carried:
     def step(self, period: float) -> Pose:
         """One period further."""
         belt = self.part.belt
-        middle = 0.5 * abs(belt.data.increment)  # an increment counts when it is whole: the belt is half of one further on average
+        middle = 0.5 * abs(belt.data.increment)  # an increment counts when it is complete: the belt is half of one further on average
         self.tracker.update(belt.way + middle, at_rest=belt.watch.motion is STOPPED)
         coupling = self.coupling
         if coupling.state is not OFF:

@@ -1,7 +1,7 @@
 """Whether a belt is at rest or runs, its averaged speed, and when its errors are looked at.
 
-Source: rho 3 Releases part 1, TO04 section 15.2-15.3 (L6133-6219): special function 15.  Speeds are those of whole interpolation
-cycles (increments per cycle, so they come in steps).
+Source: rho 3 Releases part 1, TO04 section 15.2-15.3 (L6133-6219): special function 15.  Speeds are those of full interpolation cycles
+(increments per cycle, so they change in steps).
 """
 
 from collections import deque
@@ -34,7 +34,7 @@ class Watch:
     run: float = field(init=False)  # threshold "belt running"
     patience: int = field(init=False, default=0)  # cycles without tolerance monitoring after a change
     motion: Motion = field(init=False, default=Motion.STOPPED)
-    speed: float = field(init=False, default=0.0)  # what a robot is given: averaged while running
+    speed: float = field(init=False, default=0.0)  # the speed passed to a robot: averaged while running
     raw: float = field(init=False, default=0.0)
     _recent: deque[float] = field(init=False, default_factory=lambda: deque(maxlen=AVERAGED))
     _wait: int = field(init=False, default=0)
@@ -45,7 +45,7 @@ class Watch:
         self.stop = self.run = DEFAULT_M / self.cycle_s
 
     def parametrise(self, stop: float, run: float, time_s: float) -> None:
-        """Special function 15; the time is rounded to whole interpolation cycles."""
+        """Special function 15; the time is rounded to full interpolation cycles."""
         if not (0.0 <= stop < 1e6 and 0.0 <= run < 1e6 and 0.0 <= time_s < 3600.0):
             raise MotionError(f"belt thresholds {stop:g}, {run:g} per s and time {time_s:g} s: finite numbers from 0 are needed")
         self.stop, self.run, self.patience = stop, run, round(time_s / self.cycle_s)

@@ -1,7 +1,7 @@
 """The belts of a cell: counters, their reset values, types, thresholds, simulation, and the statement SYNC.
 
 Source: rho 3 Releases part 1: TO01 section 5 (SF 28, L1694-1752), TO04 sections 14-15 (SF 21, SF 15), TO08 section 4 (endless belt,
-L11583-11672).  Special functions take the manual's units (mm or deg, mm/s, ms); positions and speeds inside are m or rad, and per s.
+L11583-11672).  Special functions use the manual's units (mm or deg, mm/s, ms); positions and speeds inside are m or rad, and per s.
 """
 
 from collections.abc import Iterable, Sequence
@@ -59,7 +59,7 @@ class Belt:
         return self.way - self.zero
 
     def set_counter(self, value: float) -> None:
-        """The counter has this value now; the way goes on."""
+        """Set the counter's present value; the way keeps counting."""
         self.zero = self.way - value
         self.rebased += 1
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from motion.errors import MotionError
 
-LEAST = 0.01  # of the whole: shorter sections are widened to it
+LEAST = 0.01  # of the entire path: shorter sections are widened to it
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +44,13 @@ def cam(length: float, first: float, third: float) -> Cam:
     if first + third > room:
         shrink = room / (first + third)
         first, third = first * shrink, third * shrink
-        if first < least or third < least:  # the shorter one came below the minimum: it keeps that, the longer one gives way
+        if first < least or third < least:  # the shorter one fell below the minimum: it keeps that, the longer one is shortened
             first, third = (least, room - least) if first < third else (room - least, least)
     return Cam(length, first, third)
 
 
 def section(value: float, kinematic_factor: float, global_factor: float, p5_ms: float | None = None) -> float:
-    """Belt path of a section: A (or D) times the kinematic's and the global factor; mm as programmed, or what `value` is in.
+    """Belt path of a section: A (or D) times the kinematic's and the global factor; mm as programmed, or the unit of `value`.
 
     p5_ms: interpolation cycle; the programmed value is limited to 2000 / P5^2 (L6459), the factors are not.
     """

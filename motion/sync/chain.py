@@ -8,7 +8,7 @@ from motion.execution.stepper import Sample
 from motion.execution.timed import TimedPiece
 
 HALVINGS = 14
-KEPT = 64  # pieces behind the one under way
+KEPT = 64  # completed pieces kept
 NUMBER, WAY = attrgetter("id"), itemgetter(-3)  # of a piece; of a node
 
 

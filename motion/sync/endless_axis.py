@@ -1,7 +1,7 @@
-"""One axis that a belt takes along by itself: the endless axis parallel to a belt.  Source: rho 3 Releases part 1, TO08 section 4.
+"""A single axis that follows a belt: the endless axis parallel to a belt.  Source: rho 3 Releases part 1, TO08 section 4.
 
-To what puts a belt's frame in front of a path (motion.sync.join) it looks like an arm whose pose is the place of this axis alone, as x in
-m or rad; the other axes are where the path has them.
+For motion.sync.join, which puts a belt's frame before a path, it looks like an arm whose pose is the place of this axis alone, as x in m
+or rad; the other axes follow the path.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """Errors of belt synchronisation by the numbers of the rho 3.  Source: rho 3 Releases part 1, TO04 sections 14-16, L5998-6480.
 
 Codes that depend on the kinematic are those of kinematic 1; kinematics 2 .. 10 follow (928 .. 937, 944 .. 953), and 11 .. 16, which the
-manual does not list, behind them (AX-552).
+manual does not list, after them (AX-552).
 """
 
 from motion.errors import MotionError
@@ -10,7 +10,7 @@ NOT_POSSIBLE, NO_PTP, NO_DISTANCE, WRONG_KIND, NO_BELT = 20, 23, 89, 92, 93
 EMERGENCY_STOP = 528
 DIRECTION, TOLERANCE = 928, 944  # of kinematic 1
 KINEMATICS = 16
-OTHER_ERRORS = "other errors"  # what the process display says of 528, 928 .. 937 and 944 .. 953
+OTHER_ERRORS = "other errors"  # text of the process display for 528, 928 .. 937 and 944 .. 953
 
 TEXTS = {
     NOT_POSSIBLE: "Belt-sync. n.possible",

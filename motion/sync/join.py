@@ -1,8 +1,8 @@
 """Stepper, belt and alteration together: P = F_belt(t) * P(s) * A(t), one sample a period (motion.md E 7).
 
-The path in the stepper is that seen from the belt; its joints are those the robot would have were the belt at value 0.  Here the
-frame is put in front and the alteration behind, the joints are found anew on the same branch, and s is slowed where joints would be
-too fast.  What still is too fast (a belt that jumps) is stretched over several periods, as P306 sub-query 6 = 3 does it (L6221-6227).
+The path in the stepper is seen from the belt; its joints are those of the robot with the belt at value 0.  Here the frame is applied
+before it and the alteration after it, the joints are computed anew on the same branch, and s is slowed where joints would be too fast.  A
+remaining excess (a belt that jumps) is stretched over several periods, as with P306 sub-query 6 = 3 (L6221-6227).
 """
 
 from collections.abc import Sequence
@@ -19,12 +19,12 @@ from motion.sync.endless_axis import AlongAxis
 from motion.sync.joint_lookahead import TOP, Scout
 
 STEP = 0.02  # shares are rounded down to it: the stepper need not plan for noise
-PATIENCE_S = 0.05  # a lower share stays at least so long
-REACTS_S = 0.02  # so long is waited for what a lower share does
+PATIENCE_S = 0.05  # minimum duration of a lower share
+REACTS_S = 0.02  # waiting time for the effect of a lower share
 
 
 class Joined(NamedTuple):
-    """One period.  q: set values (axes,); path: of the stepper; share: of full speed that was allowed; short: joints are behind."""
+    """One period.  q: set values (axes,); path: of the stepper; share: allowed share of full speed; short: joints lag."""
 
     q: tuple[float, ...]
     path: Sample
@@ -77,9 +77,9 @@ class SyncStepper:
         self.fault = None
 
     def step(self, frame: Pose = IDENTITY, alteration: Pose = IDENTITY) -> Joined:
-        """The next period; frame and alteration: of the moment in which the set values act.
+        """Compute the next period; frame and alteration: at the moment when the set values act.
 
-        Where the pose cannot be reached the joints stay, the path is stopped and `fault` gives the reason; place() goes on.
+        Where the pose cannot be reached the joints stay, the path is stopped and `fault` holds the reason; place() continues.
         """
         self._stepper.set_override(self._wanted if self._wanted < self._share else self._share)
         sample = self._stepper.step()

@@ -14,14 +14,15 @@ from motion.geometry.orientation import interpolated
 from motion.kinematics.base import Joints, KinematicsError, PathKinematics
 from motion.sync.chain import Chain
 
-LOOKS = 4  # periods a look takes
+LOOKS = 4  # periods that a look needs
 DRIFT = 8  # looks over which the belt's drift is taken: what its filter leaves of the increments must not be seen in it
 TOP = 0.97  # of a joint's speed that is planned for; the rest is for what changes meanwhile
 
 
 class Caps:
-    """Shares that hold until the robot is past a place, and the least of them, which a period has for one look: a share that is kept
-    behind a lower one is never asked for."""
+    """Shares that hold until the robot is past a place, and the least of them, which a period has for one look: a share kept for a place
+    after a lower one is never used.
+    """
 
     def __init__(self) -> None:
         self._kept: deque[tuple[float, float]] = deque()  # (tau, share), both rising
@@ -41,7 +42,7 @@ class Caps:
         kept.append((place, share))
 
     def past(self, tau: float) -> None:
-        """The robot is there: what was noted for earlier places is void."""
+        """Drop notes for places that the robot has passed."""
         while self._kept and self._kept[0][0] < tau:
             self._kept.popleft()
 
@@ -107,7 +108,7 @@ class Scout:
             self._caps.note(self._place, 0.0)
 
     def _expected(self, ahead_s: float) -> tuple[Pose, Pose]:
-        """The frame when the robot gets there at full speed, and one look before that: the belt goes on as it did."""
+        """Return the frame when the robot arrives at full speed, and one look before that, with constant motion of the belt."""
         first, last, looks = self._recent[0], self._recent[-1], len(self._recent) - 1
         if looks == 0:
             return last, last

@@ -35,7 +35,7 @@ class Pace:
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             lasts, costs = self._ramps(now, middle, end)
-            fits = lasts <= time or middle <= max(now, end)  # else there is no room for both ramps: faster is only later
+            fits = lasts <= time or middle <= max(now, end)  # otherwise both ramps do not fit: faster is only later
             if fits and middle * time - costs < way:
                 low = middle
             else:
@@ -50,7 +50,7 @@ class Pace:
         return max(speed, lowest, 0.0)
 
     def last_speed(self, rest: float, now: float, end: float, period: float) -> float:
-        """The highest speed after one period from which `end` can still be reached in what is then left."""
+        """Return the highest speed after one period from which `end` can still be reached in the remaining way."""
         if self.decel == inf:
             return inf
         half = 0.5 * self.decel * period

@@ -1,8 +1,8 @@
-"""Belts of type 1: the robot works on what lies on the belt, its path is carried along.
+"""Belts of type 1: the robot works on parts on the belt, its path is carried along.
 
 Source: rho 3 Releases part 1, TO04 section 14 (type 1, as programmed in BAPS), P503 (coupling factors), TO08 section 4 (endless
-belt).  The manual of BAPS2 itself is not there: its interpretation is AX-442.  A point of a program holds a belt value: it is
-meant for the moment the belt has it.  Seen from the belt such a point stands still, so the path is planned there, and
+belt).  The manual of BAPS2 itself is not available: its interpretation is AX-442.  A point of a program holds a belt value: it is
+meant for the moment the belt has it.  Seen from the belt this point is at rest, so the path is planned there, and
 P = F_belt(t) * P(s): the frame goes with the belt.
 """
 
@@ -28,7 +28,7 @@ class Carrier:
     joint: int | None = None
 
     def frame(self, belt: float) -> Pose:
-        """Where what lay in the base at belt value 0 is at this value."""
+        """Return the frame at this value of a part that was in the base at belt value 0."""
         if self.axis is None:
             x, y, z = self.factors
             return translation(x * belt, y * belt, z * belt)
@@ -38,12 +38,12 @@ class Carrier:
         return compose(to, compose(turn, back))
 
     def on_belt(self, pose: Pose, belt: float) -> Pose:
-        """A pose of the base, meant for this belt value, as seen from the belt: what the planner is given."""
+        """Return a pose of the base, meant for this belt value, as seen from the belt: the planner's input."""
         return compose(self.frame(belt).inverse(), pose)
 
 
 class Hold(Enum):
-    """OFF: the robot is at rest beside the belt; CATCHING: it gets up to the belt's speed; ON; LEAVING: it comes to rest."""
+    """OFF: the robot is at rest beside the belt; CATCHING: it accelerates to the belt's speed; ON; LEAVING: it comes to rest."""
 
     OFF, CATCHING, ON, LEAVING = "off", "catching up", "on the belt", "leaving"
 
@@ -90,7 +90,7 @@ class Coupling:
         self._lasts = max(3.94 * abs(speed) / self.accel, sqrt(36.0 * abs(speed) / self.jerk))
 
     def release(self) -> None:
-        """SYNCHRON_END: the belt runs on, the robot comes to rest."""
+        """SYNCHRON_END: the belt keeps running, the robot comes to rest."""
         if self.state in (Hold.CATCHING, Hold.ON):
             self.state, self._time, self._speed, self._from = Hold.LEAVING, 0.0, self._rate, self.value
             self._lasts = max(1.875 * abs(self._rate) / self.accel, sqrt(5.78 * abs(self._rate) / self.jerk))

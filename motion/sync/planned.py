@@ -54,7 +54,7 @@ class BeltPlan:
     reference: float = nan
     _trial: SynchronPart | None = None
     _rotation: Rotation | None = None
-    _end: Pose = IDENTITY  # types 2 and 3: of the tool behind the last block
+    _end: Pose = IDENTITY  # types 2 and 3: of the tool after the last block
     _count: int = 0
 
     @property
@@ -150,7 +150,7 @@ class BeltPlan:
 
     @property
     def _additional(self) -> tuple[float, ...]:
-        """Additional axes behind the last block."""
+        """Additional axes after the last block."""
         return self.blocks[-1].target[6:] if self.blocks else tuple(self.start[self.machine.arm :])
 
     def _absolute(self, block: Block, shift: Shift, on_belt: OnBelt) -> Block:

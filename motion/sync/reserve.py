@@ -9,7 +9,7 @@ from motion.geometry.limits import AxisLimits
 
 ACCEL, JERK = 0.9, 0.7  # of the limits: on a path that uses all of the jerk the follower can hardly slow down
 LEAST = 0.1  # of the speed: less would hardly move
-NONE = 1e-9  # of an axis for one of belt: it stands
+NONE = 1e-9  # of an axis per unit of belt: below, the axis is at rest
 
 
 def reserved(limits: Sequence[AxisLimits], belt_speeds: Sequence[float] = ()) -> list[AxisLimits]:
@@ -37,9 +37,10 @@ def borne(along: Sequence[float], limits: Sequence[AxisLimits]) -> tuple[float, 
 
 
 def left_over(along: Sequence[float], limits: Sequence[AxisLimits], accel: float, jerk: float) -> float:
-    """Share of full speed at which a path planned with `reserved` fits beside this acceleration and jerk of the belt value, in each axis.
+    """Return the share of full speed at which a path planned with `reserved` fits together with this acceleration and jerk of the belt
+    value, in each axis.
 
-    A path at a share of its speed asks for its square of the acceleration and its cube of the jerk.
+    A path at a share of its speed needs the square of the share of acceleration and its cube of jerk.
     """
     share = 1.0
     for p, axis in zip(along, limits, strict=True):

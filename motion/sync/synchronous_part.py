@@ -75,7 +75,7 @@ class _Leg:
         return (*along, *straight[len(along) :])
 
     def onward(self, other: "_Leg") -> bool:
-        """Whether the other goes on in this one's direction."""
+        """Return whether the other continues in this one's direction."""
         if not (self.way > 0.0 and other.way > 0.0):
             return False
         here, there = self.heading(1.0), other.heading(0.0)
@@ -253,7 +253,7 @@ class SynchronPart:
         return leg.target
 
     def _onward(self, leg: _Leg) -> _Leg | None:
-        """The next block where it goes on in the same direction."""
+        """Return the next block if it continues in the same direction."""
         return self._legs[1] if len(self._legs) > 1 and leg.onward(self._legs[1]) else None
 
     def _advance(self, leg: _Leg, belt: float) -> float:

@@ -1,8 +1,8 @@
 """Where a belt is now and will be: an alpha-beta filter on its increments, and prediction by the known delay (motion.md C.7, E 7).
 
-The delay is that from the moment a measuring system is read to the moment the set value made of it acts.  At a stop or start the
-filter would run on for a while (what is lost there makes the largest errors), so its acceleration is followed as well: a third,
-slow gain (alpha-beta-gamma); at a standstill, known by the belt's threshold, the prediction ends where the belt is.
+The delay is that from the moment a measuring system is read to the moment the set value made of it acts.  At a stop or start the filter
+would overrun for a while (which causes the largest errors), so its acceleration is tracked as well: a third, slow gain (alpha-beta-gamma);
+at a standstill, known by the belt's threshold, the prediction ends where the belt is.
 """
 
 from dataclasses import dataclass, field

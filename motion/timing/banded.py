@@ -1,6 +1,6 @@
-"""Symmetric positive definite systems with two bands beside the diagonal, by cyclic reduction of 2 x 2 blocks.
+"""Symmetric positive definite systems with two bands next to the diagonal, by cyclic reduction of 2 x 2 blocks.
 
-The blocks that do not touch each other are taken out all at once, which leaves a system of half the size of the same shape; a dozen
+The blocks that do not touch each other are eliminated all at once, which leaves a system of half the size of the same shape; a dozen
 blocks are left to a dense solver.  Each halving is a handful of numpy operations: a sweep row by row would be six times as slow.
 """
 
@@ -14,7 +14,7 @@ DENSE = 16  # blocks and one that are left to the dense solver, at most
 
 
 class _Halving(NamedTuple):
-    """Of the blocks taken out, (2, 2, k): their inverse, and it times their coupling to the kept one behind and before them."""
+    """Eliminated blocks, (2, 2, k): their inverse, and its product with their coupling to the kept block after and before them."""
 
     inverse: Array
     behind: Array
@@ -37,7 +37,7 @@ class Banded:
         self._dense = _dense(main, next_)
 
     def _as_blocks(self, diagonal: Array, near: Array, far: Array) -> tuple[Array, Array]:
-        """(2, 2, blocks) on the diagonal and (2, 2, blocks - 1) right of it; what is added behind the system is 1 on the diagonal."""
+        """(2, 2, blocks) on the diagonal and (2, 2, blocks - 1) right of it; padding after the system is 1 on the diagonal."""
         padded = np.zeros((3, 2 * self._blocks))
         padded[0] = 1.0
         for row, band in zip(padded, (diagonal, near, far), strict=True):

@@ -13,8 +13,8 @@ from motion.timing.foresight import BEYOND, Foresight
 from motion.timing.phases import Phase, calmed, least_time, phases, travel
 from motion.timing.track import Track
 
-CALM_ENOUGH = 1.15  # times what the limits here would take: so long may a change in phases take
-CLOSE = 8  # periods of a landing that phases take over
+CALM_ENOUGH = 1.15  # times the duration that the limits here allow: longest change in phases
+CLOSE = 8  # periods of a landing that phases execute
 TURN = 1e-9  # of omega: rounding, no turning round
 MOST = 1.02  # of full speed, for a moment: a change that comes back to it too fast lands from beyond, the jerk of the axes kept
 LOOKS = 3  # at the way a change in phases makes, each a little further
@@ -69,8 +69,9 @@ class Change:
 
     # ---- in phases -----------------------------------------------------------------------------------------------------
     def _order(self, tau: float, w: float, u: float, wanted: float) -> None:
-        """A new change: in phases where that serves; else foreseen, from u = 0 where phases had gone further than that would; else the
-        phases under way go on: they end sooner than anything that would turn round."""
+        """Begin a new change: in phases where possible; else foreseen, from u = 0 where phases had gone further than that would; else the
+        current phases continue: they end sooner than any reversal.
+        """
         found, ordered = self._planned(tau, w, u, wanted), wanted
         if not found and not self._ahead.begun and u != 0.0:
             found, ordered = self._calming(tau, w, u), nan
@@ -81,7 +82,7 @@ class Change:
             self._ahead.begun, self._left = False, found[-1].periods
 
     def _close(self, left: float, u: float) -> bool:
-        """A foreseen change is about to land: whole periods land without a rest, whatever lies between its places."""
+        """Return whether a foreseen change is about to land: full periods land without a remainder, whatever lies between its places."""
         most = CLOSE * self._h * self.room
         return self._ahead.begun and abs(u) <= most and 4 * abs(left) <= CLOSE * self._h * most
 
@@ -98,7 +99,7 @@ class Change:
         return c
 
     def _planned(self, tau: float, w: float, u: float, wanted: float) -> list[Phase]:
-        """Phases to the wanted omega, none where they would leave the limits, turn round on the path, or take long."""
+        """Return phases to the wanted omega; none where they would exceed the limits, reverse on the path, or last long."""
         h, left, top = self._h, wanted - w, max(abs(w), abs(wanted))
         if w * wanted < 0.0:
             return []

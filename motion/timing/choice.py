@@ -1,7 +1,7 @@
 """Per corner the faster of passing and exact stop: a small corner can cost more time than stopping in it (motion.md 0.9).
 
-A corner is judged on its own two legs first (from rest, over the corner, to rest); then what came out as a whole is compared with
-stopping at every corner, so the result is never slower than exact stops.
+A corner is judged on its own two legs first (from rest, over the corner, to rest); then the overall result is compared with stopping at
+every corner, so it is never slower than exact stops.
 """
 
 import functools
@@ -17,12 +17,12 @@ from motion.timing.slices import Work, whole
 
 EDGE = 1e-9  # of a leg: less of it is not driven
 CLEAR = 0.9  # of the time of exact stops, by the quick estimate of both: less, and one corner is passed without a look at the laws
-SURE = 0.96  # of the quick estimate of legs from rest to rest, which is good to two per cent: no law of them takes less
+SURE = 0.96  # of the quick estimate of legs from rest to rest, which is accurate to two per cent: no law of them is shorter
 
 
 @dataclass(frozen=True)
 class Rounded:
-    """A way past the end of a leg: it leaves `leave` before the end and joins the next leg `reach` behind its start (s of the legs)."""
+    """A way past the end of a leg: it leaves `leave` before the end and joins the next leg `reach` after its start (s of the legs)."""
 
     leave: float
     reach: float
@@ -85,8 +85,9 @@ def passed(
 
 
 def _better(k: int, quick: Callable[[int, int], float], exact: Callable[[int, int], Work[float]]) -> Work[bool]:
-    """Whether two legs are quicker with the corner between them passed.  The estimate knows little of what a corner costs, so one that
-    is no clear case is decided by the law over it; those of legs from rest to rest are asked for where their estimate does not decide."""
+    """Return whether two legs are quicker with the corner between them passed.  The estimate is rough for corners, so an unclear case is
+    decided by the law over it; laws of legs from rest to rest are made where their estimate does not decide.
+    """
     passing, stopping = quick(k, k + 1), quick(k, k) + quick(k + 1, k + 1)
     yield
     if passing < CLEAR * stopping or SURE * passing > stopping:

@@ -1,12 +1,12 @@
-"""Limits that the path ahead sets on a change of speed: place by place the strongest lawful step, found anew in each period.
+"""Limits that the path ahead sets on a change of speed: place by place the largest legal step, computed anew in each period.
 
-omega, u and c: motion.timing.change.  Along the way that was foreseen a period ago (omega, u, tau at places in time) the rows of the
-track give, in closed form, the lowest u that the accelerations allow and the range of c that the jerks allow.  One pass from the far
-end back gives the lowest u from which everything behind can still be met; one pass forward the way that falls to it, rides on it, and
-lands on the wanted omega with u = 0.  The first period of that way is driven, the rest is what is foreseen next time.  No search, and
-as many operations in every period.
+omega, u and c: motion.timing.change.  Along the way foreseen a period ago (omega, u, tau at places in time) the rows of the track yield,
+in closed form, the lowest u that the accelerations allow and the range of c that the jerks allow.  One pass from the far end back yields
+the lowest u from which all later limits can still be met; one pass forward yields the way that falls to it, follows it, and lands on the
+wanted omega with u = 0.  The first period of that way is executed, the rest is the next foreseen way.  No search, and the same number of
+operations in every period.
 
-Everything is written for omega that falls; for omega that rises v = -u takes the place of u.
+Everything is written for falling omega; for rising omega v = -u replaces u.
 """
 
 from dataclasses import dataclass
@@ -20,19 +20,19 @@ from motion.timing.track import Part, Span, Track
 
 Array = NDArray[np.float64]
 PLACES = 48  # foreseen at most
-AHEAD = 2.4  # times acceleration / jerk of the slowest axis: how long u may take to come back
+AHEAD = 2.4  # times acceleration / jerk of the slowest axis: longest return of u
 MOST_U, MOST_C = 0.08, 0.02  # change of omega and of u * period in a period: where the path hardly moves nothing else bounds them
 QUICK, HASTE = 0.5, 2.0  # u by the ramp, c by u and ramp
-HEAVY = 4.0  # times the least room for c that an axis has: more, and it counts as one that c hardly moves
-CALM = 0.4  # of the largest u where the path is to go faster: nobody waits for it
+HEAVY = 4.0  # times the least room for c of an axis: beyond, c hardly moves the axis
+CALM = 0.4  # of the largest u where the path speeds up, which is not urgent
 PROBE = 0.1  # of the largest u, for a look at places where v is smaller
-RESERVE = 0.02  # of the jerk limit, for what was not foreseen: with it the set value comes to what the last look leaves it
+RESERVE = 0.02  # of the jerk limit, for unforeseen changes: with it the set value reaches the goal of the last look
 LESS = ((0.02, 0.935), (0.005, 0.95))  # of the jerk limit, with each period ahead less, and at least; on the way up, on the way down
-TRUST = 0.5  # of both the new way and the one before in what is foreseen: two new ones would answer one another
-SPARE, AMPLE = 1.05, 1.3  # ways to land are taken so much longer: they are foreseen, not known, and beyond full speed there is nothing
-BOLD = 0.4  # of what a new way differs from the foreseen one: what an axis that is about to turn back will bear is known late
-USEFUL = 0.75  # of what c brings an axis at once, with half of what v then takes away: less, and c is no help
-STIFF = 0.8  # of v a period: more does its own jerk not take away
+TRUST = 0.5  # share of the new way and of the previous one in the foreseen way: two new ones would oscillate
+SPARE, AMPLE = 1.05, 1.3  # factor on landing ways: they are foreseen, not known, and nothing lies beyond full speed
+BOLD = 0.4  # share of the difference from the foreseen way: the limits of an axis about to reverse are known late
+USEFUL = 0.75  # of the immediate effect of c on an axis, less half of the later effect of v: below it c does not help
+STIFF = 0.8  # of v a period: its own jerk removes no more
 SHARES = np.linspace(0.25, 1.0, 4)  # of the range of c, tried for the landing
 BEYOND = 1.5  # of the largest u foreseen
 SLOWEST = 0.01  # of full speed: slower, and an axis that turns back needs no jerk for it
@@ -40,7 +40,7 @@ LITTLE = 1e-6  # of c: less is rounding
 
 
 class _Rise(NamedTuple):
-    """v at place 1 and behind it: scale * (sum + v at place 1 / first) where it rises as fast as the jerks allow."""
+    """v at place 1 and after it: scale * (sum + v at place 1 / first) where it rises as fast as the jerks allow."""
 
     scale: Array
     sum: Array
@@ -55,7 +55,7 @@ class _Rise(NamedTuple):
     def way(self, v: float) -> float:
         """The sum of v over all these places, place 1 by half."""
         back = self.back(v)
-        return float(np.add.accumulate(back)[-1]) - 0.5 * back.item(0)  # one after the other, as in C: the same to the last bit
+        return float(np.add.accumulate(back)[-1]) - 0.5 * back.item(0)  # sequentially, as in C: identical to the last bit
 
     def ways(self, tried: Array) -> Array:
         """The same from each of some v."""
@@ -143,7 +143,7 @@ class Foresight:
         base = lowest / scale
         base -= total
         least = v0 + falls.item(0) * dt
-        if v0 <= 0.0:  # from the lowest v of place 1 every place behind can still be met
+        if v0 <= 0.0:  # from the lowest v of place 1 every later place can still be met
             first = scale.item(1) * (float(np.maximum.reduce(base[1:])) + total.item(1))
             least = min(max(first, least), 0.0)
         highest = max(scale.item(1) * (total.item(1) + v0), v0 - self.horizon.most_c * dt)
@@ -166,7 +166,7 @@ class Foresight:
         return flip * (first - v0) / dt
 
     def _down(self, base: Array, total: Array, scale: Array, falls: Array, v0: float) -> Array:
-        """From v0 down to the lowest v from which all behind can be met, and along it; `base` is used up."""
+        """Return the way from v0 down to the lowest v from which all later places can be met, and along it; overwrites `base`."""
         backwards = base[::-1]
         np.maximum.accumulate(backwards, out=backwards)
         base += total
@@ -241,7 +241,7 @@ class Foresight:
         if flip < 0.0:
             np.negative(middle, out=middle)
         middle += omega
-        rows[0] *= used  # what is foreseen comes a little otherwise: the places behind must still be met then
+        rows[0] *= used  # the actual way differs a little: later places must still be met then
         idle, foot, rises, falls = self._reach(rows, middle, v, flip)
         pull, lean = rows[0], rows[1]
         slope = idle - rises
@@ -291,8 +291,9 @@ class Foresight:
                 np.maximum(lowest[k : k + 2], min(-bound, 0.0), out=lowest[k : k + 2])
 
     def _reach(self, rows: Array, middle: Array, v: Array, flip: float) -> Array:
-        """How far c may rise and fall with v = 0, then with the v foreseen: (4, places).  rows: PULL, LEAN, TWIST become what they are
-        for c all the way to the next place, with the v foreseen; the columns stay in `_sides`."""
+        """Return how far c may rise and fall with v = 0, then with the v foreseen: (4, places).  rows: PULL, LEAN, TWIST are replaced by
+        their values for c all the way to the next place, with the v foreseen; the columns stay in `_sides`.
+        """
         pull, lean, steady = rows
         lean *= middle
         gain = self._gain
@@ -310,7 +311,7 @@ class Foresight:
         return np.asarray(np.minimum.reduce(sides, axis=1, initial=self.horizon.most_c))  # over columns: in one run of memory
 
     def _edge(self, room: Array, free: Array, v: Array, lean: Array) -> Array:
-        """Lowest v by the jerks.  Both ends of what c may be are bent towards one another with growing |v|: chords from v = 0 to the v
+        """Return the lowest v by the jerks.  Both ends of the range of c approach one another with growing |v|: chords from v = 0 to the v
         foreseen are on the safe side."""
         edge = v * free
         edge /= np.maximum(free - room, LITTLE)
@@ -350,7 +351,7 @@ class Foresight:
         if way <= left:
             return least, None
         tried = least + SHARES * max(highest - least, 0.0)
-        if least < 0.0 < highest:  # behind v = 0 nothing more is gained: a chord over that place would rest short of what is wanted
+        if least < 0.0 < highest:  # beyond v = 0 nothing is gained: a chord over that place would stop short of the goal
             tried = np.append(least * (1.0 - SHARES), highest)
         low = least
         for v, behind in zip(tried.tolist(), rise.ways(tried).tolist(), strict=True):

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 ACCEL_MOST, JERK_MOST = 1.018, 1.09  # shares of the limits that the set values may reach
 LEVELS = (1.0, 1.004, 1.008, 1.02, 1.05, 1.1, 1.2, 1.4, 1.8, 2.5)  # of these shares: where no c serves all axes, the lowest level that does
 LASTING = 6.0  # times h omega q'' is the share of c that stays: two periods of it
-LEAST = 1e-9  # share of a limit per unit of c: below it c says nothing to an axis
+LEAST = 1e-9  # share of a limit per unit of c: below it c does not affect an axis
 
 Row = tuple[float, float, float, float, float, float, float]
 

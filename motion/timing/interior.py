@@ -52,7 +52,7 @@ class Rows:
         return result
 
     def normal(self, d: Array) -> tuple[Array, Array, Array]:
-        """Diagonal and the two bands beside it of A' diag(d) A."""
+        """Return the diagonal and its two neighbouring bands of A' diag(d) A."""
         plus, minus = d * self.plus, d * self.minus
         diagonal = self._summed(d * self.centre * self.centre)
         diagonal[1:] += self._summed(plus * self.plus)[:-1]

@@ -28,21 +28,21 @@ Array = NDArray[np.float64]
 Excess = tuple[Array, Array, Array]
 
 GRID, MOST_GRID, GRID_S = 1500, 15_000, 2e-3  # intervals of s for the first guess; more where one would last longer than this
-QUICK_GRID, MOST_QUICK, A_PIECE = 200, 2000, 8  # of an estimate; so many for the shortest polynomial of the path, if there is room
+QUICK_GRID, MOST_QUICK, A_PIECE = 200, 2000, 8  # of an estimate; A_PIECE for the shortest polynomial of the path, if there is room
 STEP, FEWEST, MOST = 0.7e-3, 300, 15_000  # s and number of the intervals in time: longer runs belong into windows (timing.splice)
 ROUNDS = 3
 JERK_USED = 1.02  # of the jerk limit, in the rows: what the differences at 1 ms show stays below JERK_GOOD (AX-386)
 TOUCH = 0.9999  # of the speed limit: differences of rounded positions stay below it
-WARP = 2.0  # beta of a round is at most so many times that of the round before
+WARP = 2.0  # largest ratio of a round's beta to that of the round before
 SETTLED = 1e-4  # change of the duration below which no further round is tried
 JUDGE_S = 1e-3  # period at which the set values are judged
 ACCEL_GOOD, JERK_GOOD = 1.012, 1.044  # shares of the limits at that period; beyond them the place is planned again with less
 PHASES = (0.0, 0.25, 0.5, 0.75)  # of the period: where its samples fall; between two of them jerk was 0.01 more
 HAIR = 1e-6  # two differences of rounded positions
 REPAIRS, SLOWER = 3, 12
-THERE, NEAR_S, FEW = 6, 0.25, 64  # so many times only around the places, that far before and behind, where they are so few
-WORTH = 1.03  # so many times the time is what keeps the programmed speed in all other places worth
-LONGER = 4.0  # times as long as the first law: it stands at a bend the grid does not see, and slowing the first as a whole is quicker
+THERE, NEAR_S, FEW = 6, 0.25, 64  # rounds limited to the places, seconds before and after each, most places for such rounds
+WORTH = 1.03  # times the duration: accepted to keep the programmed speed in all other places
+LONGER = 4.0  # times the first law: it stops at a bend that the grid does not resolve, and slowing the first one is quicker
 A_SLICE = 20_000  # samples that are looked at in one go
 AROUND = 4  # periods on both sides of such a place
 
@@ -55,12 +55,12 @@ def jerk_limited(path: JointPath, limits: LawLimits, start: tuple[float, float, 
 def jerk_limited_work(
     path: JointPath, limits: LawLimits, start: tuple[float, float, float] = (0.0, 0.0, 0.0), begin: Law | None = None
 ) -> Work[Law]:
-    """From (s, sdot, sddot) to rest at the end of the path; begin: a law from rest its search begins at.  MotionError where the path cannot
-    be run at all.
+    """Plan from (s, sdot, sddot) to rest at the end of the path; begin: a law from rest at which the search begins.  Raise MotionError
+    where the path cannot be run at all.
 
-    In slices, for a law takes about as long to make as to run.  The law is judged at 1 ms by the differences of the axis positions;
-    where acceleration or jerk come out too high it is planned again with lower limits there, and if that does not help run a little
-    slower as a whole.
+    Works in slices, because making a law lasts about as long as running it.  The law is judged at 1 ms by the differences of the axis
+    positions; where acceleration or jerk are too high it is planned again with lower limits there, and if that does not help it is slowed
+    a little as a whole.
     """
     guess = begin.on_grid(_points(begin.duration)) if begin is not None else (yield from _guess(path, limits, start))
     yield
@@ -90,8 +90,9 @@ def jerk_limited_work(
 
 
 def estimate(path: JointPath, limits: LawLimits) -> float:
-    """Seconds a law of this path takes, at a fiftieth of the cost: within two per cent where nothing slows it on its way, and mostly
-    too few where corners do.  A corner smaller than the ramps is as slow as its change of curvature makes it."""
+    """Estimate the seconds of a law of this path at a fiftieth of the cost: within two per cent where nothing slows it on its way, and
+    mostly too low where corners do.  A corner smaller than the ramps is as slow as its change of curvature requires.
+    """
     shortest = float(np.min(np.diff(path.knots)))
     count = int(min(max(A_PIECE * path.length / shortest, QUICK_GRID), MOST_QUICK))
     second, ramp = whole(_second(path, limits, (0.0, 0.0, 0.0), count, bends=True)).duration, _ramp(limits)
@@ -101,9 +102,9 @@ def estimate(path: JointPath, limits: LawLimits) -> float:
 
 
 def _slowed(path: JointPath, limits: LawLimits, law: Law, found: Excess | None = None) -> Work[Law]:
-    """Until the set values are good: a long law around the places where they are not, as long as that is quicker than slowing it as a
-    whole; one whose places are many or come again as a whole.  found: what is known of the law.  A moving start cannot be slowed and
-    stays."""
+    """Slow the law until the set values are good: a long law around the bad places, as long as that is quicker than slowing all of it; one
+    with many or recurring places as a whole.  found: known excess of the law.  A moving start cannot be slowed and stays.
+    """
     around, quickest = True, law
     for k in range(SLOWER):
         at, excess, fast = found or (yield from _excess(path, limits, law))
@@ -121,7 +122,7 @@ def _slowed(path: JointPath, limits: LawLimits, law: Law, found: Excess | None =
 
 
 def _slower_there(law: Law, places: Array, factors: Array, length: float) -> Law:
-    """In so many times the time within NEAR_S of each place (s), and smoothly less up to twice as far."""
+    """Return the law slowed by a factor within NEAR_S of each place (s), and smoothly less up to twice as far."""
     t = law.step * np.arange(len(law.s))
     more = np.zeros(len(t))
     for moment, factor in zip(np.interp(places, law.s, t), factors, strict=True):
@@ -138,7 +139,7 @@ def shares(path: JointPath, limits: LawLimits, law: Law, period_s: float = JUDGE
 
 
 def slowing(path: JointPath, limits: LawLimits, law: Law) -> float:
-    """How many times as long the law must take to keep the limits; 1.0: it keeps them."""
+    """Return the factor on the law's duration that keeps the limits; 1.0: it keeps them."""
     speed, accel, jerk = shares(path, limits, law)
     excess = max(speed, math.sqrt(accel), jerk ** (1 / 3))
     return excess if excess > 1.0 + HAIR else 1.0
@@ -160,8 +161,9 @@ def differences(path: JointPath, limits: LawLimits, s: Array, period_s: float) -
 
 
 def _excess(path: JointPath, limits: LawLimits, law: Law) -> Work[Excess]:
-    """Places (from, at, to in s), how far acceleration or jerk are beyond what is good there, and how far speed is, wherever
-    the samples fall.  A slice is so many samples: of a motion of minutes each phase has some hundred thousand."""
+    """Return places (from, at, to in s), the excess of acceleration or jerk there, and that of speed, for every phase of the samples.  A
+    slice is a number of samples: a motion of minutes has some hundred thousand per phase.
+    """
     places, much, fast = [], [], []
     for phase in PHASES if law.at_rest else (0.0,):
         s = _places(law, JUDGE_S, phase)
@@ -176,10 +178,10 @@ def _excess(path: JointPath, limits: LawLimits, law: Law) -> Work[Excess]:
 
 
 def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]) -> Work[Law]:
-    """The acceleration-limited law averaged over the time a full ramp takes: breaks limits a little, which the rounds mend."""
+    """Return the acceleration-limited law averaged over the time of a full ramp: it violates limits a little, which the rounds correct."""
     second = yield from _second(path, limits, start, GRID)
     yield
-    if check_seconds(second.duration, POSSIBLE_S) > GRID * GRID_S:  # the least it takes: a longer one is not worth its minutes of work
+    if check_seconds(second.duration, POSSIBLE_S) > GRID * GRID_S:  # least duration: a longer one is not worth minutes of computing
         second = yield from _second(path, limits, start, int(min(second.duration / GRID_S, MOST_GRID)))
         yield
     ramp = _ramp(limits)
@@ -192,12 +194,14 @@ def _guess(path: JointPath, limits: LawLimits, start: tuple[float, float, float]
 
 
 def _points(duration: float) -> int:
-    """Intervals of a law of so many seconds."""
+    """Return the number of intervals of a law of this duration in seconds."""
     return int(min(max(duration / STEP, FEWEST), MOST))
 
 
 def _second(path: JointPath, limits: LawLimits, start: tuple[float, float, float], count: int, *, bends: bool = False) -> Work[topp.Topp]:
-    """The acceleration-limited law on so many intervals; bends: and no faster than the jerk of the path's own bends at a steady speed."""
+    """Return the acceleration-limited law on `count` intervals; bends: not faster than the jerk of the path's own bends allows at steady
+    speed.
+    """
     s = np.linspace(start[0], path.length, count + 1)
     jerk = limits.at(s)[2]
     most = speed_squares(path, s, limits)
@@ -215,7 +219,7 @@ def _ramp(limits: LawLimits) -> float:
 
 
 def law_rows(path: JointPath, limits: LawLimits, law: Law, beta: Array, tight: Array, slow: Array) -> Rows:
-    """What the limits say about beta on the law's grid."""
+    """Return the limits of beta on the law's grid."""
     h, known = law.step, beta[:, None]
     padded = law.padded(2)
     q = path.at(padded) if law.at_rest else _extended(path, padded)

@@ -13,11 +13,11 @@ from motion.errors import MotionError
 Array = NDArray[np.float64]
 Ends = Sequence[float] | tuple[Array, Array]
 CALM = 24  # points at the ends that are smoothed less and less
-LONGEST_S, POSSIBLE_S = 1000.0, 400.0  # no longer law is made: pieces hold so much of one at most (motion.planner.commit)
+LONGEST_S, POSSIBLE_S = 1000.0, 400.0  # no longer law is made: pieces cannot hold more of one (motion.planner.commit)
 
 
 class EndlessError(MotionError):
-    """A law that takes too long to be made."""
+    """A law too long to be made."""
 
 
 def check_seconds(seconds: float, most: float = LONGEST_S) -> float:
@@ -65,7 +65,7 @@ class Law:
         return cls(s, speed, accel, step, start)
 
     def padded(self, count: int) -> Array:
-        """s with `count` points before (rest, or the state it starts from, run back) and behind (rest)."""
+        """Return s with `count` points before (rest, or its start state extrapolated backwards) and after (rest)."""
         back = -self.step * np.arange(count, 0, -1)
         before = self.s[0] + self.start[1] * back + 0.5 * self.start[2] * back**2
         return np.concatenate([before, self.s, np.full(count, self.s[-1])])
@@ -107,7 +107,7 @@ class Law:
         return Law(self.s - by, self.speed, self.accel, self.step, (self.start[0] - by, self.start[1], self.start[2]))
 
     def later(self, seconds: float) -> "Law":
-        """The same after so long a rest (rounded up to whole steps); from rest only."""
+        """Return the same law after this rest (rounded up to full steps); from rest only."""
         count = math.ceil(seconds / self.step - 1e-9)
         none = np.zeros(count)
         rest = np.full(count, self.s[0])
@@ -118,7 +118,7 @@ class Law:
         return _hermite(self._times, self.s, self.speed, self.accel, np.clip(t, 0.0, self.duration))
 
     def place(self, t: float) -> float:
-        """s at this time, as `at`: a planner asks for it in every turn, and arrays of one take ten times as long."""
+        """Return s at this time, like `at`: a planner calls it in every turn, and arrays of one element are ten times slower."""
         t, times = min(max(t, 0.0), self.duration), self._times
         i = min(max(int(times.searchsorted(t, side="right")) - 1, 0), len(times) - 2)
         knots, s, speed, accel = [row[i : i + 2].tolist() for row in (times, self.s, self.speed, self.accel)]

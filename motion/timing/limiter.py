@@ -29,7 +29,7 @@ class Monitoring(Enum):
 class TooFast(Enum):
     """What becomes of a path whose programmed speed asks more of an axis than its limit."""
 
-    SLOW = "slow"  # it is run more slowly there, on the path, and nobody hears of it: P306 = 0
+    SLOW = "slow"  # it is run more slowly there, on the path, without a report: P306 = 0
     WARN = "warn"  # the same, and "Interpolator Stop" is reported with the axis: P306 = 3, by a law instead of by clocks
     ABORT = "abort"  # P306 = 1, reported before anything moves
     ERROR = "error"  # VAL 3: 540, reported before anything moves

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-CLOSE = 1e-5  # of the largest coefficient of the place, or of the limit: what a limit that is left out may be missed by
+CLOSE = 1e-5  # of the largest coefficient of the place, or of the limit: tolerance of an omitted limit
 
 
 def needed(points: Array, least: float = 1.0) -> NDArray[np.bool_]:
     """points: (n, m, parts) coefficients of m limits at n places; (n, m), True: it counts.  least: coefficients below it, times CLOSE,
     are noise.
 
-    At each place as many points as there are parts are chosen, each the farthest from what the ones before span; a point left out is
-    a sum of them whose shares make no more than 1.
+    At each place as many points as there are parts are chosen, each the farthest from the span of the previous ones; an omitted point is a
+    sum of them whose shares add up to at most 1.
     """
     count, _, parts = points.shape
     left = np.moveaxis(points / np.maximum(np.max(np.abs(points), axis=1, keepdims=True), least), 2, 0).copy()

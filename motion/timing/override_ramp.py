@@ -1,6 +1,6 @@
-"""Override that changes by at most so much in a cycle: RDELTA_OV_MAX of the Reis (L1971-1977), 0 < x <= 1.0, default 0.1.
+"""Limited change of override per cycle: RDELTA_OV_MAX of the Reis (L1971-1977), 0 < x <= 1.0, default 0.1.
 
-The set values themselves keep their limits without it (motion.execution.follower); it is for those who want the old controller's slowness.
+The set values keep their limits without it (motion.execution.follower); it reproduces the slower response of the old controller.
 """
 
 from motion.errors import MotionError
@@ -9,7 +9,7 @@ DEFAULT = 0.1
 
 
 class OverrideRamp:
-    """What to give the stepper in each cycle on the way to a new override."""
+    """The override passed to the stepper in each cycle on the way to a new one."""
 
     def __init__(self, most: float = DEFAULT, value: float = 0.0) -> None:
         if not 0.0 < most <= 1.0:

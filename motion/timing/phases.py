@@ -6,8 +6,8 @@ On a line at steady speed, and on everything nearly as calm, this is the time op
 from math import ceil, inf, sqrt
 from typing import NamedTuple
 
-SLACK = 1e-9  # relative: rounding is no reach beyond a bound
-LONGER = 4  # periods tried beyond the optimum, that whole periods may fit
+SLACK = 1e-9  # relative: rounding does not count as exceeding a bound
+LONGER = 4  # periods tried beyond the optimum, so that full periods fit
 
 
 class Phase(NamedTuple):
@@ -28,12 +28,12 @@ def shortest(left: float, u: float, most_u: float, most_c: float) -> tuple[float
 
 
 def least_time(left: float, most_u: float, most_c: float) -> float:
-    """Seconds of the whole change from a steady omega."""
+    """Return the seconds of the entire change from a steady omega."""
     return sum(shortest(abs(left), 0.0, most_u, most_c)) if most_c > 0.0 and most_u > 0.0 else inf
 
 
 def phases(left: float, u: float, most_u: float, most_c: float, h: float) -> list[Phase] | None:
-    """From u to 0 in whole periods of h while omega changes by `left`; None where these bounds do not serve."""
+    """Lead u to 0 in full periods of h while omega changes by `left`; None where these bounds do not suffice."""
     flip = 1.0 if left >= u * abs(u) / (2 * most_c) else -1.0
     left, u = flip * left, flip * u
     one, hold, two = (ceil(t / h - SLACK) for t in shortest(left, u, most_u, most_c))
@@ -57,7 +57,7 @@ def calmed(u: float, most_c: float, h: float) -> list[Phase]:
 
 
 class Travel(NamedTuple):
-    """Of a row of phases: way made in tau, lowest and highest omega, omega at the end."""
+    """Result of a row of phases: way made in tau, lowest and highest omega, omega at the end."""
 
     way: float
     lowest: float

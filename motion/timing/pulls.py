@@ -13,8 +13,9 @@ def sided(slope: Array, pulls: Array) -> tuple[Array, Array]:
 
 
 def pull_shares(q: Array, period_s: float, pulls: Array) -> Array:
-    """(n - 2, columns) second differences of samples as shares of what is allowed; pulls: (2, n - 2, columns).  Where a column turns back
-    between two samples it does both, and the larger one counts."""
+    """Return (n - 2, columns) second differences of samples as shares of their limits; pulls: (2, n - 2, columns).  Where a column turns
+    back between two samples it does both, and the larger one counts.
+    """
     change = np.diff(q, axis=0)
     before, after = change[:-1], change[1:]
     allowed = np.where(np.abs(after) >= np.abs(before), pulls[0], pulls[1])

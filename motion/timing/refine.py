@@ -1,7 +1,7 @@
 """A quick law made faster: over corners it comes near the optimum, at a tenth of what a law from scratch costs.
 
-It is warped (motion.timing.jerk) from what it is, in few rounds.  Where it begins while the axes move, place, speed and acceleration
-there stay; behind its first seconds it stays as it is.
+It is warped (motion.timing.jerk) from its present form in few rounds.  Where it begins while the axes move, place, speed and acceleration
+there are kept; after its first seconds it is unchanged.
 """
 
 import math
@@ -20,12 +20,12 @@ from motion.timing.slices import Work
 Array = NDArray[np.float64]
 STEP_S, FEWEST = 0.7e-3, 60  # s and number of its intervals
 HELD, EDGE, AFTER = 2, 16, 8  # points that stay: at a moving start, and at the end of its first seconds; of these, the last ones
-SHORTEST_S = 0.05  # behind its first seconds: less is refined with them
-NEAR, HAIR, MORE = 30, 1.002, 1.03  # so many points behind a moving start it may go on as it does, so much beyond the limits at most
+SHORTEST_S = 0.05  # remainder after its first seconds: a shorter one is refined with them
+NEAR, HAIR, MORE = 30, 1.002, 1.03  # points after a moving start where the law is kept, and its largest excess over the limits
 ROUNDS = 4
-USED, LESS = 0.975, 0.99  # of the jerk in the rows; and of what is left of it where it came out too high
+USED, LESS = 0.975, 0.99  # of the jerk in the rows; and factor on the remainder where it was too high
 FAIR = 1.005  # times too much that is left as it is
-FASTER = 10  # times as much counts what is beyond a speed
+FASTER = 10  # weight of an excess over a speed
 PHASE = len(PHASES)
 PAST = 3 * PHASE  # samples before the start that are judged with it
 LONGER = 1.1  # times as long as before: the rows contradict each other
@@ -68,7 +68,7 @@ def _first(law: Law, seconds: float) -> Law:
 
 
 def _joined(made: Law, law: Law, end: float) -> Law:
-    """The law that was made of one up to its time `end`, and what is behind: both are the same over the last points."""
+    """Return the law made from another up to its time `end`, followed by the remainder: both agree over the last points."""
     t: Array = made.step * np.arange(math.ceil((law.duration - end + made.duration) / made.step) + 1.0)
     s = np.where(t < made.duration - AFTER * made.step, made.at(t), law.at(end - made.duration + t))
     return Law.sampled(s, made.step, law.start)
@@ -90,7 +90,7 @@ def _warp(path: JointPath, limits: LawLimits, law: Law, tight: Array, open_end: 
 
 
 def _loose(rows: Rows, count: int, begin: int, end: int) -> Rows:
-    """Rows of points that stay alone are kept anyway; near a moving start the law may go on as it does."""
+    """Loosen rows of fixed points, which are kept anyway, and rows near a moving start, where the law may continue as it is."""
     at, least = np.repeat(np.arange(count), rows.counts), rows.times(np.ones(count))
     fixed, near = (at < begin - 1) | (at > count - end), at < (NEAR if begin else 0)
     right = np.where(near, np.clip(HAIR * least, rows.right, MORE * rows.right), rows.right)

@@ -1,4 +1,4 @@
-"""Work that takes long, in slices: a generator that yields wherever it may be left for a while, and returns what it made."""
+"""Long work in slices: a generator that yields wherever it may be interrupted, and returns its result."""
 
 from collections.abc import Generator
 from typing import Generic, TypeVar
@@ -8,7 +8,7 @@ Work = Generator[None, None, T]
 
 
 class Slices(Generic[T]):
-    """One piece of work, a slice at a time.  made: what came of it, empty until it is done."""
+    """One piece of work, a slice at a time.  made: the result, empty until it is done."""
 
     def __init__(self, work: Work[T]) -> None:
         self.made: list[T] = []

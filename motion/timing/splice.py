@@ -1,9 +1,9 @@
-"""A law goes on over a path that has grown: the tail that braked for the old end is replaced while the axes move.
+"""Continuation of a law over a path that has grown: the tail that braked for the old end is replaced while the axes move.
 
-A second law is planned from rest a little way back to the new end.  Both are near the optimum, so soon after the second one has got
-up to speed, and before the first one brakes for its end, they run at nearly the same speed: there one is led over into the other
-(s(t) blended over a smooth step in time).  Where they never come close the old law stays: it ends at rest, and the path goes on from
-there; nothing is ever driven that was not planned to the end.
+A second law is planned from rest a little way back to the new end.  Both are near the optimum, so soon after the second one is up to
+speed, and before the first one brakes for its end, they run at nearly the same speed: there one changes over into the other (s(t) blended
+over a smooth step in time).  Where they never come close the old law stays: it ends at rest, and the path goes on from there; only motion
+that is planned to the end is executed.
 """
 
 import numpy as np

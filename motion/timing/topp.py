@@ -1,7 +1,7 @@
 """Fastest law along a path under limits of speed and acceleration: the TOPP pass of motion.md F, interpolation scheme.
 
 Grid s_i with step h, b = sdot^2, u = sddot.  Rows |q' u + q'' b| <= a at s_i and, with b + 2 h u, at s_(i+1).  Every pair of a
-lower and an upper row gives one bound of b that depends on the path alone: these are taken for all grid points at once in numpy;
+lower and an upper row yields one bound of b that depends on the path alone: these are computed for all grid points at once in numpy;
 only the few rows against the next point's bound run point by point, on plain numbers: a dozen of them cost less than one call of numpy.
 Where the bounds of two neighbours allow each other, as along a way at the programmed speed, the pass is there at once.
 """
@@ -21,7 +21,7 @@ from motion.timing.slices import Work, whole
 
 Array = NDArray[np.float64]
 BIG = 1e12  # means no limit on b
-FLAT = 1e-12  # coefficients of u below it say nothing about u
+FLAT = 1e-12  # smaller coefficients of u do not limit u
 FEW = 20  # rows: of fewer the search for those that count costs more than it saves
 NOISE = 1e-6  # of the largest coefficient of the path
 PORTION = 64  # places whose rows become plain numbers at once
@@ -127,7 +127,7 @@ def entries(first: Array, second: Array, step: float, accel: Array, most: Array)
 def entries_work(first: Array, second: Array, step: float, accel: Array, most: Array, b_end: float = 0.0) -> Work[Entries]:
     """As entries, a slice for the limits and one for the way back from the end."""
     accel = np.broadcast_to(accel, (2, *first.shape))
-    moves = np.any((first != 0.0) | (second != 0.0), axis=0)  # what stands all along limits nothing
+    moves = np.any((first != 0.0) | (second != 0.0), axis=0)  # a column at rest everywhere limits nothing
     if np.any(moves) and not np.all(moves):
         first, second, accel = first[:, moves], second[:, moves], accel[:, :, moves]
     rows = _rows(first, second, step, accel)
@@ -143,7 +143,7 @@ def speed_limit(first: Array, speed: Array) -> Array:
 
 
 def _rows(first: Array, second: Array, h: float, accel: Array) -> _Rows:
-    """Rows at both ends of every interval, solved for u, and what they say about b."""
+    """Return rows at both ends of every interval, solved for u, and their bounds of b."""
     d = np.concatenate([first[:-1], first[1:] + 2 * h * second[1:]], axis=1)
     c = np.concatenate([second[:-1], second[1:]], axis=1)
     highest, lowest = (np.concatenate([a[:-1], a[1:]], axis=1) for a in sided(first, np.where(np.isfinite(accel), accel, 1e9)))
@@ -174,7 +174,7 @@ def _rows(first: Array, second: Array, h: float, accel: Array) -> _Rows:
 
 
 def _that_count(d: Array, c: Array, a: Array) -> tuple[Array, Array, Array]:
-    """(n, fewer): the rows that say all that there is to say about u and b; as many at every place as the worst one has."""
+    """Return (n, fewer): the rows that determine the bounds of u and b; the same number at every place, that of the worst one."""
     both = np.stack([d / a, c / a], axis=2)
     count = needed(both / np.maximum(np.max(np.abs(both), axis=(0, 1)), FLAT), NOISE)
     first = np.argsort(~count, axis=1, kind="stable")[:, : max(int(np.max(np.sum(count, axis=1))), 1)]

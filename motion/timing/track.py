@@ -1,7 +1,7 @@
-"""What the limits say along a chain of timed pieces, row by row on an even grid of tau (time at full speed).
+"""Limits along a chain of timed pieces, row by row on an even grid of tau (time at full speed).
 
 With omega = dtau/dt, u = d omega/dt, c = du/dt an axis has the acceleration omega^2 q'' + u q' and the jerk omega^3 q''' +
-3 omega u q'' + c q'.  A row holds, for every column, what solves both for u and for c:
+3 omega u q'' + c q'.  A row holds, for every column, the coefficients that solve both for u and for c:
 
     |u + omega^2 bend| <= reach            bend = q''/q', reach = accel/|q'|
     |c + omega (omega^2 twist + u lean)| <= pull      lean = 3 q''/q', twist = q'''/q', pull = jerk/|q'|
@@ -26,15 +26,15 @@ from motion.timing.window import Window
 
 Array = NDArray[np.float64]
 ACCEL_TOP, JERK_TOP = 1.0165, 1.07  # shares of the limits allowed while omega changes
-LEAST = 1e-9  # s or s^2: q' over its limit; below it the column says nothing about u or c
+LEAST = 1e-9  # s or s^2: q' over its limit; below it the column does not limit u or c
 FREE = 1e8  # a limit above it is none
 BENT = 0.01  # of its acceleration: an axis that turns back with less leaves u as it is
 COARSE_S = 1e-3  # between rows, at most
-VIEW = 240  # rows kept in view behind those asked for
+VIEW = 240  # rows kept in view after the requested ones
 FAR = 320  # rows more, where the path is driven back
-NEXT = 120  # rows beside VIEW that a steady period has in view
+NEXT = 120  # rows in view in addition to VIEW in a steady period
 SOME = 64  # rows that come at a time
-STILL = 1e-9  # shares of the limits below which the path itself stands: omega may be anything
+STILL = 1e-9  # shares of the limits below which the path itself is at rest: omega is free
 
 
 class Part(IntEnum):
@@ -49,7 +49,7 @@ class Part(IntEnum):
 
 
 class Turn(NamedTuple):
-    """Where an axis turns back: no c helps its jerk there, nor as far before and behind as a place lies from the next."""
+    """Where an axis reverses: no c helps its jerk there, nor within one distance of places before and after."""
 
     tau: float
     edge: float  # the least near there
@@ -58,11 +58,11 @@ class Turn(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Of one piece: table[:, :, 0] is row `first` of the track; (parts, columns, rows)."""
+    """Rows of one piece: table[:, :, 0] is row `first` of the track; (parts, columns, rows)."""
 
     first: int
     table: NDArray[np.float32]
-    resting: bytes  # a byte of each of its rows: the path itself stands
+    resting: bytes  # a byte of each of its rows: the path itself is at rest
     turns: Sequence[Turn] = ()
 
     @property
@@ -76,8 +76,9 @@ class Span(NamedTuple):
     rows: Array
 
     def most(self, omega: float, left: float, u: float) -> tuple[float, float]:
-        """Highest |u| that is lawful at all of them with any omega up to this one; highest |c| with any |u| that a change of omega by
-        `left`, begun at u, then comes to."""
+        """Return the highest |u| that is legal at all of them with any omega up to this one, and the highest |c| with any |u| that a
+        change of omega by `left`, begun at u, then reaches.
+        """
         reach, pull = self.rows[Part.REACH], self.rows[Part.PULL]
         bend, lean, twist = (np.absolute(self.rows[part]) for part in (Part.BEND, Part.LEAN, Part.TWIST))
         bend *= omega * omega
@@ -92,7 +93,7 @@ class Span(NamedTuple):
 
 
 class Track:
-    """Grows at the end, loses rows at both ends; what is looked at lies in a window, in one run of memory."""
+    """Grows at the end, loses rows at both ends; the examined rows are in a window of contiguous memory."""
 
     def __init__(self, columns: int, period_s: float) -> None:
         half = max(ceil(0.5 * period_s / COARSE_S), 2)
@@ -104,7 +105,7 @@ class Track:
         self._firsts: deque[int] = deque()  # of the tables: each holds from there to where the next one begins
         self.turns: list[Turn] = []  # of axes, where places foreseen lie several periods apart; their times rise
         self._seen = Window(len(Part), columns)
-        self._to = 0  # what lies before this row is in view, or never was: the last row holds beyond the end
+        self._to = 0  # earlier rows are in view, or never existed: the last row applies beyond the end
         self.inverse = 1.0 / step
 
     @property
@@ -144,7 +145,7 @@ class Track:
         return bisect_left(self.turns, (tau,))
 
     def _settle(self) -> None:
-        """A piece shorter than the window begins no later than the rows of those behind it, which take the place of its own."""
+        """Settle a piece shorter than the window: it begins no later than the rows of the following pieces, which replace its own."""
         for k in range(len(self._firsts) - 2, -1, -1):
             first = min(self._tables[k].first, self._firsts[k + 1])
             if first == self._firsts[k]:
@@ -156,16 +157,16 @@ class Track:
         self.ramp = max(self.ramp, *(a / j for a, j in zip(piece.accel, piece.jerk, strict=True) if a < FREE and j < FREE), 0.0)
 
     def prepared(self, piece: TimedPiece, before: Sequence[TimedPiece], begin: float, where: Sequence[int], apart: float) -> "Rows":
-        """Rows up to the piece's end, from shortly before its beginning where it goes on from others.
+        """Return rows up to the piece's end, from shortly before its beginning where it continues others.
 
-        before: the pieces it goes on from, the last one first, four periods of them; where: column of each of its columns; apart: s,
+        before: the pieces that it continues, the last one first, four periods of them; where: column of each of its columns; apart: s,
         over which MEAN is one.
         The path's own acceleration and jerk are computed by differences over periods: what a judge of the set values sees.
         """
         h, half = self._period, self._half
         around = round(0.5 * apart / self.step)  # rows from the middle of what MEAN sees to its end
         wide = 2 * around if around > half else 0  # rows that a turn looks to both sides
-        reach = max(3 * half, around + half)  # rows beside those wanted: a third difference is three periods wide
+        reach = max(3 * half, around + half)  # additional rows: a third difference is three periods wide
         going = [one for one in before if one.mask == piece.mask] if before and before[0].mask == piece.mask else []
         first = max(int((begin - (reach + half) * self.step if going else begin) / self.step + 1), 0) if begin > 0.0 else 0
         grid: Array = (np.arange(first, int((begin + piece.duration) / self.step) + 1, dtype=np.float64) + 0.5) * self.step - begin
@@ -177,7 +178,7 @@ class Track:
         values, slopes = _Chain(piece, going).at(grid[0] + self.step * np.arange(-reach - wide, len(grid) + reach + wide))
         count = len(grid) + 2 * wide
         at = {rows: slice(reach + rows, reach + rows + count) for rows in (0, *(k * half for k in (-3, -1, 1, 3)))}
-        bends = (slopes[2 * half :] - slopes[: -2 * half]) / h  # from half a period behind the first row on
+        bends = (slopes[2 * half :] - slopes[: -2 * half]) / h  # from half a period after the first row on
         slope, second = slopes[at[0]], bends[reach - half : reach - half + count]
         third = (values[at[3 * half]] - 3.0 * (values[at[half]] - values[at[-half]]) - values[at[-3 * half]]) / h**3
         second, third = np.clip(second, -accel, accel), np.clip(third, -jerk, jerk)  # lawful it is
@@ -210,7 +211,7 @@ class Track:
         back = (slope[wide:-wide] < 0.0) != (slope[wide - 1 : -wide - 1] < 0.0)
         back &= np.abs(second[wide:-wide]) > BENT * np.array(piece.accel)
         found: list[Turn] = []
-        known = max(len(slope) - wide - 3 * self._half, 1)  # third differences beyond see what comes behind the piece
+        known = max(len(slope) - wide - 3 * self._half, 1)  # later third differences depend on the following piece
         for row, column in np.argwhere(back).tolist():
             near = slice(min(row, known - 1), min(row + 2 * wide + 1, known))
             most = 3.0 * float(np.max(np.abs(second[near, column])))
@@ -259,7 +260,7 @@ class Track:
         return self._seen.rests(row)
 
     def foresee(self, tau: float, omega: float) -> None:
-        """To be called while speed is steady: what a change of speed would look at is brought into view before it is needed."""
+        """Call while speed is steady: bring the rows that a change of speed would examine into view before they are needed."""
         row = int(tau * self.inverse)
         if row + VIEW + NEXT > self._to:
             self._more(row - VIEW, row + VIEW + NEXT + SOME)
@@ -298,7 +299,7 @@ class Track:
 
 
 class _Chain:
-    """A piece and those it goes on from."""
+    """A piece and those that it continues."""
 
     def __init__(self, piece: TimedPiece, before: Sequence[TimedPiece]) -> None:
         self._piece, self._before = piece, before

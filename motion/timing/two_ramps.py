@@ -42,9 +42,9 @@ class TwoRamps:
         return np.stack([np.where(rising, s1, self.length - s2), np.where(rising, v1, v2), np.where(rising, a1, -a2)], axis=1)
 
     def _ramped(self, t: Array, most: float) -> tuple[Array, Array, Array]:
-        """Way, speed and acceleration t seconds into a ramp, and at steady speed behind it."""
+        """Return way, speed and acceleration t seconds into a ramp, and at steady speed after it."""
         j, lasts = self.jerk, ramp_s(self.speed, most, self.jerk)
-        edge = min(most / j, 0.5 * lasts)  # the acceleration grows so long, and falls as long
+        edge = min(most / j, 0.5 * lasts)  # duration of the acceleration's rise, and of its fall
         here = np.minimum(t, lasts)
         one, two = np.minimum(here, edge), np.clip(here - edge, 0.0, lasts - 2.0 * edge)
         v1, s1, a = j * edge * edge / 2.0, j * edge**3 / 6.0, j * edge

@@ -7,7 +7,7 @@ ROOM = 2056  # rows held before old ones go; 257 lines of 64 bytes: columns a po
 
 
 class Window:
-    """Rows low .. end - 1 stand at 0 .. end - low - 1 of `rows`, (parts, columns, ROOM or more)."""
+    """Rows low .. end - 1 are at 0 .. end - low - 1 of `rows`, (parts, columns, ROOM or more)."""
 
     def __init__(self, parts: int, columns: int) -> None:
         self.rows: NDArray[np.float64] = np.zeros((parts, columns, ROOM))
@@ -19,7 +19,7 @@ class Window:
         self.low = self.end = row
 
     def cut(self, row: int) -> None:
-        """Forget this row and those behind it."""
+        """Forget this row and the later ones."""
         self.end = min(self.end, row)
         self.low = min(self.low, self.end)
 

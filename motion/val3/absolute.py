@@ -21,7 +21,7 @@ class AbsoluteRobot:
         return self._default
 
     def get_dh(self) -> DhParameters:
-        """getDH: what is in force."""
+        """getDH: return the parameters in force."""
         return self._measured or self._default
 
     def set_dh(self, parameters: DhParameters, *, moves_pending: bool = False) -> bool:

@@ -45,7 +45,7 @@ class Frame:
 
 @dataclass(slots=True, eq=False)
 class Tool:
-    """trsf on what it is mounted on; reference None: not linked."""
+    """trsf relative to its mounting; reference None: not linked."""
 
     trsf: Trsf = field(default_factory=Trsf)
     reference: "Tool | None" = None

@@ -1,8 +1,8 @@
-"""The motion stack of VAL 3: what movej, movel, movec and the online instructions do, as calls an interpreter makes.
+"""The motion stack of VAL 3: movej, movel, movec and the online instructions as calls of an interpreter.
 
 Source: VAL 3 reference, chapter 10 (L5360-6060).  Move instructions queue and return their id; the arm lags behind; a full queue makes
 the instruction wait (here: None, and the interpreter tries again).  waitEndMove cancels the blending of the last move; stopMove and
-restartMove act at once; resetMotion empties the queue.  Nothing here knows a clock: the owner calls observe() with what the arm does.
+restartMove act at once; resetMotion empties the queue.  The stack has no clock: the owner calls observe() with the state of the arm.
 """
 
 from collections.abc import Sequence
@@ -23,8 +23,9 @@ NEAR = 1e-9  # rad or m: "any deviation, even tiny" makes a connection move
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where the arm is on its path.  block: number of the block under way or, at rest behind everything, of the last one done (0:
-    none yet); share: how much of its way is made; resting: the set values stand; waiting: blocks not yet done."""
+    """Where the arm is on its path.  block: number of the current block or, at rest after all of them, of the last one done (0: none yet);
+    share: part of its way that is made; resting: the set values are constant; waiting: blocks not yet done.
+    """
 
     block: int
     share: float
@@ -70,7 +71,7 @@ class Mode(Enum):
 class Connection(Enum):
     """State of a connection move."""
 
-    NONE = "none"  # the arm stands on its path
+    NONE = "none"  # the arm is on its path
     OPERATOR = "operator"  # waits for the operator
     RUNNING = "running"
 
@@ -98,7 +99,7 @@ class MotionStack:
     mode: Mode = Mode.REMOTE
     auto_connect: bool = False
     connection: Connection = Connection.NONE
-    _moves: list[_Move] = field(default_factory=list)  # those not yet behind the arm, and the last one that is
+    _moves: list[_Move] = field(default_factory=list)  # uncompleted moves, and the last completed one
     _next_id: int = 0  # AX-416
     _fault: RuntimeFault | None = None  # of a move that could not be finished
     _stopped: bool = False  # by stopMove
@@ -166,7 +167,7 @@ class MotionStack:
         self._begin_connection(start, here)
 
     def connects(self, path: Sequence[float], here: Sequence[float]) -> Connection:
-        """Whether a connection move from here to the path runs by itself or waits for the operator."""
+        """Return whether a connection move from here to the path runs automatically or waits for the operator."""
         limits = self.following_error or [0.0] * len(here)
         distance = max((abs(a - b) / e if e > 0 else 2.0) for a, b, e in zip(path, here, limits, strict=True))
         alone = connects_by_itself(self.mode, distance, 1.0, self.auto_connect)
@@ -186,7 +187,7 @@ class MotionStack:
 
     # ---- online ------------------------------------------------------------------------------------------------------
     def stop_move(self) -> None:
-        """Stops on the path and takes the permission away; returns at once."""
+        """Stop on the path and withdraw the permission; returns at once."""
         self._stopped = True
         self.mover.stop()
 

@@ -53,7 +53,7 @@ def distance(first: Trsf, second: Trsf) -> float:
 
 
 def interpolate_l(start: Trsf, end: Trsf, position: float) -> Trsf:
-    """interpolateL: the line from start (0) to end (1); beyond them it goes on, inside ]-1, 2[ (L4769), else error 70."""
+    """interpolateL: the line from start (0) to end (1); beyond them it continues, inside ]-1, 2[ (L4769), else error 70."""
     if not -1.0 < position < 2.0:
         raise RuntimeFault(70, f"interpolateL: nPosition {position:g} is not inside ]-1, 2[")
     if is_half_turn(start.pose.rotation, end.pose.rotation):
@@ -62,7 +62,7 @@ def interpolate_l(start: Trsf, end: Trsf, position: float) -> Trsf:
 
 
 def interpolate_c(start: Trsf, intermediate: Trsf, end: Trsf, position: float) -> Trsf:
-    """interpolateC: the arc of movec from start (0) to end (1); 0.5 = half of the arc; beyond them the circle goes on."""
+    """interpolateC: the arc of movec from start (0) to end (1); 0.5 = half of the arc; beyond them the circle continues."""
     if not math.isfinite(position):
         raise RuntimeFault(70, f"interpolateC: nPosition {position:g}")
     try:

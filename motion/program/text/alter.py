@@ -23,7 +23,7 @@ BIG = 1e6
 
 @dataclass(slots=True)
 class AlterParts:
-    """What a text has said of alterable parts so far."""
+    """Statements about alterable parts in a text so far."""
 
     part: Alteration | None = None
     count: int = 0

@@ -1,4 +1,4 @@
-"""The text form of labels: where a program goes on when an input never came, or nothing was measured (`error=`)."""
+"""The text form of labels: where a program continues when an input never came, or nothing was measured (`error=`)."""
 
 from dataclasses import dataclass, field
 
@@ -8,7 +8,7 @@ from motion.program.text.words import Fault, name, one
 
 @dataclass(slots=True)
 class Labels:
-    """label: in front of the next block; blocks: so far."""
+    """label: before the next block; blocks: number so far."""
 
     label: str = ""
     blocks: int = 0
@@ -25,7 +25,7 @@ class Labels:
         self._known[self.label] = self.blocks
 
     def asked(self, line: int, label: str) -> None:
-        """The block of this line, which comes next, may go on there (empty: nowhere)."""
+        """Note that the block of this line, which comes next, may continue there (empty: nowhere)."""
         if label:
             self._asked.append((line, label, self.blocks + 1))
 
@@ -34,7 +34,7 @@ class Labels:
         self.label, self.blocks = "", self.blocks + 1
 
     def ended(self) -> None:
-        """Labels that blocks name stand behind them; raises TextError."""
+        """Check that labels named by blocks follow them.  Raise TextError."""
         for line, asked, block in self._asked:
             if self._known.get(asked, -1) < block:
                 raise TextError(line, "error", f"label {asked} does not follow the block")

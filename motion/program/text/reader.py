@@ -1,6 +1,6 @@
 """The text form of programs: line by line, mm, deg and % outside.  Grammar and examples: docs/guide/motion-programs.md.
 
-read(text) takes a whole text and reports all its faults at once, each with line, key and range; motion.program.text.writer writes one.
+read(text) reads a complete text and reports all its faults at once, each with line, key and range; motion.program.text.writer writes one.
 """
 
 from collections.abc import Callable
@@ -73,7 +73,7 @@ MOVES = {kind.value: kind for kind in Interpolation}
 
 @dataclass(slots=True)
 class Reader:
-    """Line by line: what a stream of statements has said so far."""
+    """Reads line by line: the state of a stream of statements so far."""
 
     name: str = ""
     robot: str = ""
@@ -92,8 +92,8 @@ class Reader:
     systems: Systems = field(default_factory=Systems)
     labels: Labels = field(default_factory=Labels)
     ahead: int = 0
-    functions: tuple[Called, ...] = ()  # in front of the next block
-    acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
+    functions: tuple[Called, ...] = ()  # before the next block
+    acts: tuple[Act, ...] = ()  # before the next block, or after the last one
 
     @property
     def inside(self) -> bool:
@@ -106,7 +106,7 @@ class Reader:
         return self == Reader(self.name)
 
     def statement(self, raw: str, number: int = 0) -> None:
-        """One line; raises TextError.  Its block, if it is one, waits for take()."""
+        """Read one line; its block, if any, waits for take().  Raise TextError."""
         statement(raw, number, self.line)
 
     def take(self) -> list[Block]:
@@ -115,7 +115,7 @@ class Reader:
         return blocks
 
     def ended(self) -> None:
-        """The text is over: labels that blocks name stand behind them, and what begins with a block has one; raises TextError."""
+        """End the text: labels named by blocks must follow them, and statements that begin with a block must have one.  Raise TextError."""
         self.labels.ended()
         self.check_begun()
 
@@ -167,7 +167,7 @@ class Reader:
         return (sync_of if head == "sync" else call_of)(head, rest, inside=self.inside)
 
     def heading(self, head: str, rest: list[str]) -> None:
-        """What is said of the program as a whole."""
+        """Read a statement about the entire program."""
         match head:
             case "program":
                 self.name = _one(head, rest)

@@ -1,8 +1,8 @@
 """The text form of programs of several kinematics; one kinematic: motion.program.text.reader.
 
-`kinematic NAME ROBOT` begins what is said of one: angles, axes, start, tool, frame, point, set, as in a program of one robot.  `kinematic
-NAME` goes back to it.  A move without a name is that of the kinematic named last; `move NAME linear A and NAME ptp B` moves several
-together.
+`kinematic NAME ROBOT` begins the statements about one: angles, axes, start, tool, frame, point, set, as in a program of one robot.
+`kinematic NAME` goes back to it.  A move without a name is that of the kinematic named last; `move NAME linear A and NAME ptp B` moves
+several together.
 """
 
 from collections.abc import Iterable
@@ -26,7 +26,7 @@ from motion.rho3.wc import WcFrame
 from motion.robot import MOST_KINEMATICS
 
 CALLS = tuple(FUNCTIONS)  # begin with the next block of the kinematic
-OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *FILE_HEADS, *SYSTEM_HEADS, *CALLS)  # said of one kinematic
+OWN = ("angles", "axes", "start", "tool", "frame", "point", "set", *FILE_HEADS, *SYSTEM_HEADS, *CALLS)  # statements about one kinematic
 STATEMENTS = ("program", "kinematic", *OWN, *PARTS, *MOVES, "move", "label", "block_search")
 
 
@@ -44,11 +44,11 @@ class TeamReader:
     now: str = ""  # kinematic named last
     blocks: list[Shared] = field(default_factory=list)
     labels: Labels = field(default_factory=Labels)
-    acts: tuple[Act, ...] = ()  # in front of the next block, or behind the last one
+    acts: tuple[Act, ...] = ()  # before the next block, or after the last one
     ahead: int = 0  # BLOCK_SEARCH, of all kinematics
 
     def statement(self, raw: str, number: int = 0) -> None:
-        """One line; raises TextError.  Its block, if it is one, waits for take()."""
+        """Read one line; its block, if any, waits for take().  Raise TextError."""
         statement(raw, number, self.line)
 
     def take(self) -> list[Shared]:
@@ -57,7 +57,7 @@ class TeamReader:
         return blocks
 
     def ended(self) -> None:
-        """The text is over: labels that blocks name stand behind them, what begins with a block has one; raises TextError."""
+        """End the text: labels named by blocks must follow them, and statements that begin with a block must have one.  Raise TextError."""
         self.labels.ended()
         for named, reader in self.readers.items():
             try:
@@ -152,7 +152,7 @@ class TeamReader:
 
     @property
     def alone(self) -> str:
-        """The kinematic that is in such a part; it alone moves."""
+        """Name of the kinematic in a belt or alterable part; only this one moves."""
         return next((each for each, reader in self.readers.items() if reader.inside), "")
 
     def part(self, words: list[str], number: int) -> None:
@@ -161,7 +161,7 @@ class TeamReader:
         self.check_alone(words[0], (self.now,))
         reader.parts = max(each.parts for each in self.readers.values())
         reader.altered.count = max(each.altered.count for each in self.readers.values())
-        for block in self.said(self.now, words, number).take():  # behind a SYNC that is the last statement of its part
+        for block in self.said(self.now, words, number).take():  # after a SYNC that is the last statement of its part
             self.add({self.now: replace(block, ahead=self.ahead)}, number)
 
     def check_alone(self, key: str, moving: Iterable[str]) -> None:
@@ -173,8 +173,9 @@ class TeamReader:
             )
 
     def act(self, words: list[str], number: int) -> None:
-        """Done at rest before the next block of any of them, a machine position by the kinematic named last; what is said inside a part
-        belongs to the next block of the part."""
+        """Read an action at rest before the next block of any of them, a machine position for the kinematic named last; inside a part it
+        belongs to the next block of the part.
+        """
         self.check_alone(words[0], (self.now,))
         reader, place = self.said(self.now, words, number), list(self.readers).index(self.now)
         own = [replace(each, member=place) if isinstance(each, MachinePoint) else each for each in reader.acts]
@@ -278,7 +279,7 @@ def _part_ends(program: TeamProgram, under_way: tuple[str, Block] | None, shared
 
 
 def _part_begins(program: TeamProgram, under_way: tuple[str, Block] | None, shared: Shared) -> list[str]:
-    """Lines that begin the part of the one that moves here, and what is said inside it before its block."""
+    """Return the lines that begin the part of the moving kinematic, and those inside the part before its block."""
     if shared.alone is None:
         return []
     member, block = shared.alone
@@ -290,7 +291,7 @@ def _part_begins(program: TeamProgram, under_way: tuple[str, Block] | None, shar
 
 
 def _acts(program: TeamProgram, acts: tuple[Act, ...]) -> list[str]:
-    """Lines of what is done at rest, each with its kinematic."""
+    """Return the lines of actions at rest, each with its kinematic."""
     lines = []
     for act in acts:
         each = program.kinematics[act.member if isinstance(act, MachinePoint) else 0]

@@ -25,7 +25,7 @@ _EXTRA = re.compile(r"([-+0-9.eE]+)(mm|deg)")
 _UNTIL = re.compile(r"(!?)(ch)?(\d+)")
 _INPUT = re.compile(r"(!?)(\d+)")
 _OUT = re.compile(r"(\d+):([-+0-9.eE]+)(?:@([0-9.eE+]+))?")
-CALLS = {"belt_param": (15, 4), "belt_type": (21, 2), "set_beltcnt": (28, 2)}  # special function, numbers behind it
+CALLS = {"belt_param": (15, 4), "belt_type": (21, 2), "set_beltcnt": (28, 2)}  # special function, count of following numbers
 CALLED = {function: head for head, (function, _) in CALLS.items()}
 
 
@@ -132,7 +132,7 @@ def function_of(head: str, rest: list[str]) -> Function:
 
 
 def search_of(head: str, rest: list[str]) -> int:
-    """BLOCK_SEARCH: so many blocks; - for all that are known."""
+    """BLOCK_SEARCH: number of blocks; - for all known ones."""
     word = rest[0] if len(rest) == 1 else ""
     if word == "-":
         return 0

@@ -8,7 +8,7 @@ from motion.errors import MotionError
 from motion.program.errors import TextError
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
-LONG = re.compile(r"\d{100}")  # digits: no number of a program has so many, and no number is made of more than 4,300
+LONG = re.compile(r"\d{100}")  # digits: longer than any number of a program, and below Python's limit of 4,300
 
 
 class Fault(Exception):

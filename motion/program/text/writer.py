@@ -50,7 +50,7 @@ def write(program: Program, angles: str = "val3") -> str:
 
 
 def heading(start: tuple[float, ...], units: tuple[str, ...], angles: str) -> list[str]:
-    """What is said of the axes of a robot."""
+    """Return the statements about the axes of a robot."""
     units = units or ("deg",) * len(start)
     return [f"angles {angles}", f"axes {' '.join(units)}", f"start {_joints(start, units)}"]
 
@@ -64,7 +64,7 @@ def places_of(blocks: Sequence[Block], ways: Convention, references: Sequence[To
 
 
 def _moves(program: Program, ways: Convention, units: tuple[str, ...]) -> list[str]:
-    """One line a block, and those in front of it; belt values as mm, whatever the belt's unit."""
+    """Return one line per block and the lines before it; belt values as mm, whatever the belt's unit."""
     lines: list[str] = []
     blocks: Sequence[Block] = program.blocks
     part: Synchron | None = None
@@ -121,7 +121,7 @@ def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
 
 
 def written_move(block: Block, ways: Convention, units: tuple[str, ...]) -> str:
-    """Kind, target and keys of a block, without the lines that stand in front of it."""
+    """Return kind, target and keys of a block, without the lines before it."""
     words = [block.kind.value]
     if block.via is not None:
         words += ["via", f"pose {_pose(block.via.pose, ways)}", "to"]
