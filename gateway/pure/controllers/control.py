@@ -36,7 +36,7 @@ class Control(Protocol):
         """None: none of that number."""
 
     def names(self) -> list[str]:
-        """Values beside signals and flags."""
+        """Return the values other than signals and flags."""
 
     def value(self, name: str) -> float:
         """KeyError: no such name; ValueError: it has no value."""

@@ -52,7 +52,7 @@ class PicImage:
 
 
 class Edge:
-    """Rising edges of one RC input; a state at the first look or when its command source comes back is no edge (AX-510)."""
+    """Rising edges of one RC input; its level at the first look or when its command source comes back is not an edge (AX-510)."""
 
     def __init__(self, number: int) -> None:
         self._number, self._before = number, True

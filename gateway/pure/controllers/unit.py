@@ -18,7 +18,7 @@ class HandUnit:
     typed: Mapping[str, str]
     more: tuple[str, ...] = tuple(LETTERS)
     held: tuple[str, ...] = ()
-    faces: Mapping[str, str] = field(default_factory=dict)  # name -> what is printed on the key, where it is another
+    faces: Mapping[str, str] = field(default_factory=dict)  # name -> label printed on the key, where it differs
 
     @property
     def names(self) -> frozenset[str]:

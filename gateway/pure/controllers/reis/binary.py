@@ -6,7 +6,7 @@ from enum import Enum
 from gateway.pure.controllers.pic_image import PicImage
 
 BYTES = 40
-FIRST_BYTE = 88  # of the image: behind the 88 bytes of the rho3 interface (AX-515)
+FIRST_BYTE = 88  # of the image: after the 88 bytes of the rho3 interface (AX-515)
 PER_ELEMENT = 4  # bytes of one element of _IBIN_IN and _IBIN_OUT, the lowest byte first
 
 

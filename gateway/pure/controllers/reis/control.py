@@ -39,7 +39,7 @@ HOLD, MOVES, PLUS, MINUS = (1020, 7), (1021, 5), (1021, 3), (1021, 4)
 INQUIRY, OVERRIDE, ACTUAL, TCP, TCP_VALID, PATH = 996, 1436, 1024, 1124, (1120, 0), 1464
 AUTO, HAND = 0x0300, 0x0101  # operating mode codes (robotstar 5.9)
 MULTIPLIED = (AUTO, 0x0202, 0x0204)  # modes in which M1436 counts
-AUTO_MN = 23  # RC input that says which
+AUTO_MN = 23  # RC input that selects it
 OUTPUT_BYTES = 40
 ACKNOWLEDGE = 62  # RC input: error acknowledgement
 WATCHDOG, LAG, POWER = 667, 647, 654
@@ -92,7 +92,8 @@ class ReisControl:
         self._references = References(setup.references)
         self.was_synchronised(setup.references)
         self._active: dict[tuple[int, int], str] = {}  # regulator error, axis -> words
-        self._percent: int | None = self.markers.number(OVERRIDE) or None  # None: M1436 was never written, and is no factor (AX-1000)
+        # None: M1436 was never written and does not scale the speed (AX-1000)
+        self._percent: int | None = self.markers.number(OVERRIDE) or None
         self._hold = True  # a hold that is set at start has stopped nothing
         self._stopped = False
         self._keep = slice(setup.first_byte, setup.first_byte + 40)
@@ -136,7 +137,7 @@ class ReisControl:
 
     # ---- the integrated PLC --------------------------------------------------------------------------------------------
     def _take_plc(self, plc: IntegratedPlc) -> None:
-        """Markers and outputs behind its last scan; all outputs 0 where it has stopped or is gone."""
+        """Adopt markers and outputs after its last scan; all outputs are 0 where it has stopped or is gone."""
         if plc.fresh:
             plc.fresh = False
             if plc.report.id:
@@ -263,7 +264,7 @@ class ReisControl:
         return [] if self.robot.suppressed else texts
 
     def _look_at_drives(self, state: CellState, now: Ns) -> list[str]:
-        """Err Enab ends where the drives are switched on (L1359): what is still active is shown again."""
+        """Err Enab ends where the drives are switched on (L1359): errors that are still active are shown again."""
         axes = state.axes[: len(self.setup.axes)]
         before, self.robot.drives_on = self.robot.drives_on, bool(axes) and all(axis.flags & AxisFlag.ENABLED for axis in axes)
         if before or not self.robot.drives_on or not self.robot.suppressed:
@@ -381,7 +382,7 @@ class ReisControl:
         return None if self.plc is None else self.plc.counter(number)
 
     def names(self) -> list[str]:
-        """Values beside the markers."""
+        """Return the values other than markers."""
         elements = [f"reis.ibin_{way}.{n}" for way in ("in", "out") for n in range(1, 11)]
         analog = [f"reis.analog.{way}.{n}" for way in ("input", "output") for n in range(1, 25)]
         keys = [f"reis.{name}" for name in Keys.names()] if self.setup.programs else []

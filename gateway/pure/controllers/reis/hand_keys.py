@@ -1,4 +1,4 @@
-"""What moves a Reis robot by hand, as command sources, wires and tools give it: keys, Position Control, 6D mouse.  Pure.
+"""Manual motion of a Reis robot through command sources, wires and tools: keys, Position Control, 6D mouse.  Pure.
 
 Source: robotstar 8.2 (L175-193, L1302-1337), 8.4; AX-1050.
 """

@@ -59,7 +59,7 @@ class IntegratedPlc:
         return stopped
 
     def outputs(self) -> Mapping[tuple[int, int], bool]:
-        """Output bits the last whole scan wrote."""
+        """Output bits that the last complete scan wrote."""
         found: dict[tuple[int, int], bool] = {}
         for byte in range(AREA if self.on else 0):
             written, level = self.report.written[byte], self.report.outputs[byte]

@@ -16,7 +16,7 @@ ANALOG_INPUTS, ANALOG_OUTPUTS = 1872, 1920
 
 @dataclass(frozen=True, slots=True)
 class SystemMarker:
-    """Bytes or one bit the system gives a meaning; `writer`: robot, plc or both; `done` False: not implemented in the original."""
+    """Bytes or one bit with a meaning set by the system; `writer`: robot, plc or both; `done` False: not implemented in the original."""
 
     name: str
     byte: int

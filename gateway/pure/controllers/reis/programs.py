@@ -1,6 +1,6 @@
 """Robot programs of the interpreter as a Reis control has them: modes, keys, START and STOP, the order to move, messages (AX-940).  Pure.
 
-One program is selected at a time.  STOP, drives off and emergency stop leave the axes at rest on the path; START goes on.  Nothing moves
+One program is selected at a time.  STOP, drives off and emergency stop leave the axes at rest on the path; START continues.  Nothing moves
 again without a fresh START.
 """
 
@@ -25,7 +25,7 @@ from protocols.base.machine import Ns
 GONE = "the interpreter ended, and the program with it"
 MOST_BREAKS = 100  # breakpoints of a program
 STRIDES = tuple(each.value for each in Stride if each is not Stride.MODE)
-MOUSE_NS: Ns = 20_000_000  # a mouse may say as much as it likes; so often it is heard
+MOUSE_NS: Ns = 20_000_000  # shortest time between two accepted mouse reports
 HAND = ""
 AT_REST = (Motion.IDLE, Motion.STOPPED)
 CHANGE, BEGIN, END = (968, 0), (968, 1), (968, 2)  # markers: program change, Auto Start, Auto Stop (L2921-2923)
@@ -34,7 +34,7 @@ HOLD = (1020, 7)
 
 @dataclass(slots=True)
 class ReisPrograms:
-    """Call `report` with what the interpreter publishes, `hear` with each of its records, `step` before and after a cycle of the
+    """Call `report` with the state published by the interpreter, `hear` with each of its records, `step` before and after a cycle of the
     control."""
 
     side: ReisSide
@@ -53,7 +53,7 @@ class ReisPrograms:
     run: int = 0  # under way
     tool: Structure | None = None  # in force, for the position in M1124
     progress: tuple[int, ...] = ()  # M1464 to M1479: way and time of the position under way, done and left
-    refused: str = ""  # why the last START of a key or movement by hand was; the pendant takes it
+    refused: str = ""  # reason for refusing the last START key or manual movement; the pendant reads it
     looked: tuple[str, Fact | None, str] = ("", None, "")  # a variable: name, value or why there is none
     breaks: dict[str, list[int]] = field(default_factory=dict)  # breakpoints: program -> steps
     _runs: int = 0
@@ -68,8 +68,8 @@ class ReisPrograms:
     _job: Job | None = None
     _ticket: int = 0
     _leaving: bool = False  # the rest of the path is given up as soon as the axes rest; the interpreter hands it on anew
-    _resume: bool = False  # goes on as soon as the axes rest
-    _seen: dict[tuple[int, int], bool] = field(default_factory=lambda: {CHANGE: True, BEGIN: True})  # a level at start is no edge
+    _resume: bool = False  # continues as soon as the axes rest
+    _seen: dict[tuple[int, int], bool] = field(default_factory=lambda: {CHANGE: True, BEGIN: True})  # a level at start is not an edge
 
     @property
     def axes(self) -> int:
@@ -239,7 +239,7 @@ class ReisPrograms:
         return "the drives are off" if self.axes & ~enabled else ""
 
     def stop(self, now: Ns) -> None:
-        """STOP: on the path; START goes on from there."""
+        """STOP on the path; START continues from there."""
         self._resume = False
         if self.run:
             self.orders.append({"do": "stop", "run": self.run})
@@ -291,7 +291,7 @@ class ReisPrograms:
         self._follow(now)
 
     def _dead_man(self, now: Ns) -> None:
-        """Positions move only while START is held; other steps go on without it, also one that asks for an input (L1204-1219)."""
+        """Positions move only while START is held; other steps continue without it, also one that requests an entry (L1204-1219)."""
         ordered = self._let_go and self.run and self._job is not None and self._job.open
         if ordered and (self._moving() or not any(row["waits"] for row in self.rows)):
             self._let_go = False
@@ -406,7 +406,7 @@ class ReisPrograms:
         return {"error": f"{name or self._name}: {wrong}"} if wrong else {"run": self.run}
 
     def _breakpoints(self, name: str, lines: object) -> dict[str, object]:
-        """The program stops in front of these steps."""
+        """Set the steps before which the program stops."""
         if not isinstance(lines, list) or not all(isinstance(line, int) for line in lines) or len(lines) > MOST_BREAKS:
             return {"error": f"breakpoints: lines = at most {MOST_BREAKS} numbers of lines"}
         if all(row["name"] != name for row in self.programs):

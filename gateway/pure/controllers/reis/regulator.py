@@ -62,7 +62,7 @@ class Message:
 
 
 def regulator_error(markers: Markers, number: int, axis: int) -> Message:
-    """A drive reports `number` 641..700: markers and message; the asynchronous ones take M1020.6 away.  ValueError otherwise."""
+    """A drive reports `number` 641..700: markers and message; the asynchronous ones reset M1020.6.  Raise ValueError otherwise."""
     if not FIRST <= number <= LAST:
         raise ValueError(f"{number}: regulator errors are {FIRST}..{LAST}")
     markers.set_number(ERROR_NUMBER, number)

@@ -27,7 +27,7 @@ class RobotPart:
     shown: list[tuple[int, str]] = field(default_factory=list)
     suppressed: bool = False  # Err Enab (L1359)
     drives_on: bool = True  # all of them; those that are on at start are not switched on
-    acknowledged: bool = True  # level of RC input 62; one at start is no edge
+    acknowledged: bool = True  # level of RC input 62; a level at start is not an edge
 
     def report(self, number: int, words: str, now: Ns) -> None:
         """An error of a program."""

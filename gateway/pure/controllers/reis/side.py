@@ -1,4 +1,4 @@
-"""What a Reis control gives the robot programs that run in it.  Pure."""
+"""Interface of a Reis control for the robot programs that run in it.  Pure."""
 
 from typing import Protocol
 
@@ -7,7 +7,7 @@ from protocols.base.machine import Ns
 
 
 class ReisSide(Protocol):
-    """What the control gives its programs."""
+    """The control as its programs see it."""
 
     @property
     def cell(self) -> CellState:

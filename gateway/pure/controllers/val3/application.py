@@ -1,6 +1,6 @@
-"""The application of the interpreter as the control has it (AX-930): its command source, its moves, its outputs, start and stop by the PLC.
+"""The interpreter's application as seen by the control (AX-930): its command source, moves and outputs, start and stop by the PLC.
 
-Pure.  Call `report` with what the interpreter publishes, `hear` with each of its records, `step` once a cycle of the services.
+Pure.  Call `report` with the state published by the interpreter, `hear` with each of its records, `step` once a cycle of the services.
 """
 
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ MODES = ("manual", "test", "local", "remote")
 MOST_RATIO = 250.0
 SEEN = ("val3", "variables", "shown", "popups", "screen")
 PATIENCE = ms(1_000)  # between two requests for control that are refused
-START_UP = ms(10_000)  # enablePower() waits so long for drives that do not answer yet
+START_UP = ms(10_000)  # how long enablePower() waits for drives that do not answer yet
 GONE = "the interpreter ended"
 
 
@@ -78,7 +78,7 @@ class HostedApplication:
     _halted: bool = False  # by stopMove
     _held: bool = False  # by the PLC or a tool
     _drop: bool = False  # the rest of a move is to be given up as soon as it rests
-    _stopped: bool = False  # by the application or its hold: it goes on with them; after a stop of others only with val3.move
+    _stopped: bool = False  # by the application or its hold, and continued by them; after another stop only by val3.move
     _moves: bool = False  # the operator lets the arm move
     _leave: bool = False  # control goes back at rest
     _again: Ns = 0
@@ -150,7 +150,7 @@ class HostedApplication:
                 self.sentences.append(f"autostart: {answer['error']}")
 
     def _lost(self) -> None:
-        """Its tasks are gone; the arm stops on its path, and nothing starts by itself."""
+        """Handle the loss of its tasks: the arm stops on its path, and nothing starts unasked."""
         if self.run:
             self._over("lost", 0, GONE, "")
             self.sentences.append(f"{GONE}, and the application with it")
@@ -166,7 +166,7 @@ class HostedApplication:
         self.run, self._leave, self._halted, self._moves = 0, True, False, False
         self.control.application.running = False
 
-    # ---- what it says
+    # ---- its records
     def hear(self, said: Mapping[str, Fact], now: Ns) -> None:
         """One record of its ring."""
         if said["id"] != self.language_id:
@@ -305,7 +305,7 @@ class HostedApplication:
             self._points()
 
     def _move(self, cell: CellState, now: Ns) -> None:
-        """Stop, go on, give up: each once the axes are in the state for it."""
+        """Stop, continue, abandon: each once the axes are in the required state."""
         stays = self._halted or self._held or self._drop
         if (stays and cell.motion is Motion.RUNNING and self._path is not None) or (self._drop and cell.motion is Motion.RUNNING):
             self._stopped = True

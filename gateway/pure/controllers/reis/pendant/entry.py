@@ -30,7 +30,7 @@ class Entry:
     what: str
     text: str = ""
     first: str = ""
-    at: int = -1  # characters in front of the cursor
+    at: int = -1  # number of characters before the cursor
 
     def __post_init__(self) -> None:
         self.at = len(self.text)
@@ -47,7 +47,7 @@ class Entry:
         return whole[max(self.at + 1 - width, 0) :][:width]
 
     def type(self, key: str) -> None:
-        """A character in front of the cursor, or DELETE of the one there."""
+        """Insert a character before the cursor, or DELETE the one before it."""
         before, behind = self.text[: self.at], self.text[self.at :]
         before = before[:-1] if key == "DELETE" else (before + (" " if key == SPACE else key))[: MOST - len(behind)]
         self.text, self.at = before + behind, len(before)

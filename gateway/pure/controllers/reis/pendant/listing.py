@@ -15,7 +15,7 @@ class Listing:
     cursor: int = 1
     column: int = 0
     program: bool = False
-    names: tuple[str, ...] = field(default=())  # of a directory: what each row means; "" is nothing
+    names: tuple[str, ...] = field(default=())  # of a directory: the entry of each row; "" is none
 
     def move(self, key: str, shift: str, width: int) -> None:
         """An arrow key, after SHIFT or ALT ("" for neither)."""
@@ -41,7 +41,7 @@ class Listing:
         self.cursor = min(max(step, 1), max(len(self.rows), 1))
 
     def find(self, words: str) -> bool:
-        """The next row behind the cursor that has these characters, from the top again; False: none has."""
+        """Go to the next row after the cursor with these characters, wrapping to the top; False: none has them."""
         order = [*range(self.cursor, len(self.rows)), *range(self.cursor)]
         found = next((at for at in order if words.upper() in self.rows[at].upper()), None)
         if found is not None:

@@ -43,7 +43,7 @@ class Phg:
     def __init__(self, codes: Codes, language: str = "en") -> None:
         self.language = language
         self.access = Pendant(codes)
-        self.locked = codes != Codes()  # a cell without code words has nobody who could open it (AX-1660)
+        self.locked = codes != Codes()  # without code words in the cell the lock could not be opened (AX-1660)
         if not self.locked:
             self.access.level = Level.MANUFACTURER
         self.mode = "dir"
@@ -126,7 +126,7 @@ class Phg:
             self.moves(key)
 
     def moves(self, key: str) -> bool:
-        """Whether a movement key may act now; why not is said."""
+        """Return whether a movement key may act now; otherwise show the reason."""
         if self.access.may(MOVE) and not self.view.mode:
             self.says("hold the movement key: it moves for as long as it is held")
             return True
@@ -142,7 +142,7 @@ class Phg:
             self.overlay.window = _window_of(self.view.coor)
 
     def _denied(self, operation: Operation | None) -> bool:
-        """Whether the access level is too low; what it needs is said."""
+        """Return whether the access level is too low; if so show the required one."""
         if operation is None or self.access.may(operation):
             return False
         self.says(NEEDED[operation.level])
@@ -367,7 +367,7 @@ class Phg:
 
 
 def _key(path: str) -> str:
-    """Of a program, as the memory names it: without its kind."""
+    """Return the name of a program in the memory: without its kind."""
     return path.rpartition(".")[0].upper() if "." in path.rpartition("/")[2] else path.upper()
 
 

@@ -2,11 +2,11 @@
 
 from gateway.pure.controllers.unit import LETTERS, HandUnit
 
-COLUMNS, LINES = 40, 20  # 20 lines (L1027); "more than 37 characters" run out of the window behind the number of the step (L1474)
+COLUMNS, LINES = 40, 20  # 20 lines (L1027); "more than 37 characters" run out of the window after the number of the step (L1474)
 MODE_KEYS = {"DIR": "dir", "RUN": "run", "COORD": "coor", "INFO": "info", "FUNCT": "fkt", "WINDOW": "cwin"}
 FUNCTION_KEYS = ("F1", "F2", "F3", "F4", "F5", "F6")
 MOVEMENT = {f"{number}{sign}": (number, 1 if sign == "+" else -1) for number in range(1, 7) for sign in "-+"}
-SIGNS = {  # key of a keyboard -> what an entry takes of it beside letters and the keys of the unit
+SIGNS = {  # key of a keyboard -> character of an entry, in addition to letters and the keys of the unit
     "underscore": "_", "dollar_sign": "$", "left_square_bracket": "[", "right_square_bracket": "]", "colon": ":", "quotation_mark": '"',
     "number_sign": "#", "equals_sign": "=", "less_than_sign": "<", "greater_than_sign": ">", "left_parenthesis": "(", "percent_sign": "%",
     "right_parenthesis": ")", "plus": "+", "semicolon": ";", "apostrophe": "'", "asterisk": "*",

@@ -12,9 +12,10 @@ BYTES_A_LINE, WORDS_A_LINE = 2, 2  # L1362, L1368
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """The cell now.  override: %; mode: auto, test1 .. test6, "" is HAND; selected: program of START, as the memory names it; program,
-    step, state, waits: what is executed; done: the step executed before; axes: name, value, unit; increments: of the axes; moves, turns:
-    tXYZ and rABC mouse; position: mm a turn, 0 in override mode."""
+    """The present state of the cell.  override: %; mode: auto, test1 .. test6, "" is HAND; selected: program of START, as the memory names
+    it; program, step, state, waits: the execution; done: the step executed before; axes: name, value, unit; increments: of the axes;
+    moves, turns: tXYZ and rABC mouse; position: mm a turn, 0 in override mode.
+    """
 
     override: float = 0.0
     mode: str = ""

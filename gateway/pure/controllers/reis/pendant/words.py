@@ -57,5 +57,5 @@ GERMAN = {
 
 
 def say(words: str, language: str) -> str:
-    """In the language of the cell; what is not in the table stays."""
+    """Translate to the language of the cell; words missing from the table stay unchanged."""
     return GERMAN.get(words, words) if language == "de" else words

@@ -61,7 +61,7 @@ ROWS = (
     Row(23, "P401", "TRUE: positive is clockwise", "OD"),
     Row(24, "P615", "over-temperature protection", "OW"),
 )
-COUNTS = frozenset({2, 3, 4, 8, 9, 17, 21, 22})  # whole numbers
+COUNTS = frozenset({2, 3, 4, 8, 9, 17, 21, 22})  # integers
 FLAGS = frozenset({1, 23, 24})
 
 

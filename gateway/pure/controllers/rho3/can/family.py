@@ -1,7 +1,7 @@
 """A bus of the rho 3 as the cycle sees it: drives, digital I/O blocks and the parameter download in one language (AX-270).
 
-Wraps the family of the drives, or is alone on a bus with I/O only.  Outputs leave behind the set values, then at most one parameter
-request; what comes in goes to whom it belongs.
+Wraps the family of the drives, or is alone on a bus with I/O only.  Outputs are sent after the set values, then at most one parameter
+request; received frames are passed to their owner.
 """
 
 from collections.abc import Mapping, Sequence
@@ -133,7 +133,7 @@ class RhoFamily:
             self.drives.began(now)
 
     def _held(self, values: Sequence[SetRecord]) -> Sequence[SetRecord]:
-        """A drive takes parameters only without power (AX-266): a wish to come on waits for them."""
+        """Delay drive-on until the parameters are sent: a drive accepts them only without power (AX-266)."""
         waiting = {each.index for each in self._downloads.values()}
         if not waiting:
             return values

@@ -77,7 +77,7 @@ class Finding:
     code: int  # number of the manual, 0: it has none
     text: str  # what the pendant shows, or our words
     parameter: str  # P number to look at
-    value: str  # what is there
+    value: str  # the present value
     hint: str
 
     @property

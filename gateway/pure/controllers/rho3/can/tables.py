@@ -63,18 +63,18 @@ def room(axes: int) -> Room:
 
 
 def fits(axes: int, inputs: int, outputs: int) -> bool:
-    """Whether so many bytes fit beside `axes`.  A block takes eight bytes even where fewer are transferred (AX-260)."""
+    """Return whether these bytes fit together with `axes`.  A block occupies eight bytes even where fewer are transferred (AX-260)."""
     free = room(axes)
     return whole(inputs) <= free.inputs and whole(outputs) <= free.outputs
 
 
 def whole(size: int) -> int:
-    """`size` bytes as whole blocks, in bytes."""
+    """Return `size` bytes rounded up to full blocks, in bytes."""
     return -(-size // BLOCK_BYTES) * BLOCK_BYTES
 
 
 def kbit_s(baud: int) -> int:
-    """Bit rate of a P30 code; 0: there is no such code."""
+    """Return the bit rate of a P30 code; 0: unknown code."""
     rate = RATES.get(baud)
     return rate.kbit_s if rate else 0
 

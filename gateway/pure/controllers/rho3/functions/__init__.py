@@ -1,1 +1,1 @@
-"""What the rho 3 did for its PLC beside moving: coded errors and texts, status display, external selection, panel, process table."""
+"""PLC functions of the rho 3 other than motion: coded errors and texts, status display, external selection, panel, process table."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from gateway.pure.image.records.cell import InputImage, Quality, get_bit, set_bit
 from protocols.base.machine import Ns, ms
 
-STROBE_TIME: Ns = ms(200)  # P9 where the cell says nothing (AX-530)
+STROBE_TIME: Ns = ms(200)  # P9 where the cell sets none (AX-530)
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ def put_number(image: bytearray, first: int, width: int, value: int) -> None:
 
 
 def trusted(inputs: InputImage, first: int) -> bool:
-    """Whether the byte of this bit comes from a living command source: an order with an old code beside a new strobe is none (AX-541)."""
+    """Return whether the byte of this bit comes from a live command source: an old code with a new strobe is not an order (AX-541)."""
     return inputs.quality[first >> 3] == Quality.GOOD
 
 
@@ -61,8 +61,7 @@ def even(value: int) -> bool:
 
 
 class Edge:
-    """Edges of one input bit.  The level met first, or met after the command source was lost, is no edge: nothing starts by itself
-    (AX-532)."""
+    """Edges of one input bit.  The first level, also after the command source was lost, is not an edge: nothing starts unasked (AX-532)."""
 
     def __init__(self, bit: int) -> None:
         self._bit = bit

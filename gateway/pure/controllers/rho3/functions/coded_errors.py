@@ -59,7 +59,7 @@ class CodedErrors:
         self._write(outputs)
 
     def _learn(self, active: Mapping[Hashable, int]) -> None:
-        """A new error: all codes that stand come once more (L3057); those that are gone are not shown."""
+        """Learn a new error: all active codes are output once more (L3057); cleared ones are not shown."""
         marks = frozenset(active)
         if marks - self._known:
             self._queue = deque(active)

@@ -18,7 +18,7 @@ class CodedTexts:
         self._ok, self._error = Pulse(places.text_ok, strobe_time), Pulse(places.text_error, strobe_time)
 
     def step(self, inputs: InputImage, outputs: bytearray, display: Display, now: Ns, *, ready: bool = True) -> Text | None:
-        """ready: a panel is there and takes characters.  Returns why a text was refused."""
+        """ready: a panel is connected and accepts characters.  Return why a text was refused."""
         edge = self._edge.step(inputs)
         refusal = None
         if edge > 0:

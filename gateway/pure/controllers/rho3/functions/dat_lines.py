@@ -14,7 +14,7 @@ _QUOTED = re.compile(r"'([^']*)'")
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A line that is not used; `line` counts from 1, 0 is the whole file."""
+    """A line that is not used; `line` counts from 1, 0 is the entire file."""
 
     file: str
     line: int
@@ -77,7 +77,7 @@ def tail_of(line: str) -> str:
 
 
 def quoted(tail: str) -> str:
-    """A text in single quotes; behind it only blanks and a comment."""
+    """Return a text in single quotes, followed by blanks and a comment only."""
     found = _QUOTED.match(tail)
     if found is None:
         raise LineError("quotes")

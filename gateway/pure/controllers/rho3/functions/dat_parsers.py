@@ -19,7 +19,7 @@ def parse_msd(text: str, file: str = "MSD.DAT") -> Table[str]:
 
 
 def parse_texts(text: str, file: str = "TEXT.DAT") -> Table[str]:
-    """Code 0..255 -> text; the channel is PHG, said or not."""
+    """Code 0..255 -> text; the channel is PHG, stated or not."""
     return parse(file, text, _text_line)
 
 

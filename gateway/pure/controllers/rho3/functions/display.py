@@ -1,7 +1,7 @@
 """The panel's 4 x 20 characters and its keys.  Source: rho 3 Releases L2923-2941, L6623-6717; rho3 7.2, AX-535, AX-536.
 
-Each layer has a page.  A line shows the highest layer that wrote it.  A layer that is held keeps its lines; one that was let go
-keeps them only until a lower layer writes there.
+Each layer has a page.  A line shows the highest layer that wrote it.  A held layer keeps its lines; a released one keeps them only until a
+lower layer writes there.
 """
 
 from collections import deque
@@ -54,7 +54,7 @@ class Display:
         self._held.discard(layer)
 
     def close(self, layer: Layer) -> None:
-        """`layer` goes at once and shows what is below."""
+        """Remove `layer` at once and show the layers below."""
         self._held.discard(layer)
         self._pages[layer] = [None] * LINES
 
@@ -106,7 +106,7 @@ class Display:
             self._give_back()
 
     def selected(self) -> None:
-        """A function was selected at the interface: what was saved is not wanted any more (L6631)."""
+        """Drop the saved content: a function was selected at the interface (L6631)."""
         self._selected = True
 
     def _give_back(self) -> None:
@@ -141,5 +141,5 @@ class Display:
 
 
 def _top(pages: dict[Layer, list[str | None]], index: int) -> str:
-    """What the highest layer that wrote this line says."""
+    """Return the line of the highest layer that wrote it."""
     return next((text for layer in Layer if (text := pages[layer][index]) is not None), " " * COLUMNS)

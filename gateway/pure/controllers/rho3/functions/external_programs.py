@@ -35,7 +35,7 @@ class ExternalPrograms:
         return refusals
 
     def _name(self, inputs: InputImage) -> str | Text:
-        """The program of the code on the channel, or what is wrong with it."""
+        """Return the program of the code on the channel, or its fault."""
         if inputs.bit(self._places.abort_strobe) and inputs.bit(self._places.select_strobe):
             return Text("both_strobes")  # forbidden (L2651): neither is done
         if not (trusted(inputs, self._places.program_code) and trusted(inputs, self._places.program_parity)):

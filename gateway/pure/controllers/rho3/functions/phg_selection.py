@@ -21,7 +21,7 @@ class PhgSelection:
         self._edge = Edge(places.phg_strobe)
 
     def step(self, inputs: InputImage, outputs: bytearray, display: Display) -> None:
-        """Edges of the strobe with the code beside it; bit 104: the basic level is active."""
+        """Process edges of the strobe with the code next to it; bit 104: the basic level is active."""
         edge = self._edge.step(inputs) if self._option and trusted(inputs, self._places.phg_code) else 0
         code = number_at(inputs.values, self._places.phg_code, 4)
         if edge < 0 and code == 0:

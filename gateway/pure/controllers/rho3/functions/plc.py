@@ -22,7 +22,7 @@ PHGCODE_ERROR = 1278  # ours, AX-534: the manual names the error and no number
 
 @dataclass(slots=True)
 class Settings:
-    """What differs between plants; a table that is None: there is no such file."""
+    """Settings that differ between plants; a table is None where its file is missing."""
 
     strobe_time: Ns = STROBE_TIME  # P9
     language: str = "en"

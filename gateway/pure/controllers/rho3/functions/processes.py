@@ -45,7 +45,7 @@ Body = Callable[[Ns], Turn]
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """What can be started: `make` gives a body for each start."""
+    """A program that can be started: `make` returns a body for each start."""
 
     make: Callable[[], Body]
     kind: Kind = Kind.NORMAL
@@ -127,9 +127,9 @@ class ProcessTable:
         return process
 
     def stop(self, number: int, by: int = 0) -> tuple[str, ...]:
-        """Takes a process and all it started off at once; names of those that went, () where there is no such process.
+        """Stop a process and all that it started at once; return their names, () where there is no such process.
 
-        by: the process that asks, 0: from outside.  A sub-process does not stop what it came from: ProcessFault 1079 (L5872).
+        by: the requesting process, 0: from outside.  A sub-process must not stop its parent: ProcessFault 1079 (L5872).
         """
         process = self._all.get(number)
         if process is None:
@@ -189,7 +189,7 @@ class ProcessTable:
         except ProcessFault as fault:
             process.state, process.error, process.error_text = State.FAULTY, fault.code, fault.text
             return True
-        except Exception as error:  # a broken body must not take the others along
+        except Exception as error:  # a broken body must not stop the others
             process.state, process.error, process.error_text = State.FAULTY, BODY_FAULT, repr(error)
             return True
         process.state = State.WAITING if said is Turn.WAIT else State.READY
@@ -198,7 +198,7 @@ class ProcessTable:
         return False
 
     def _done(self, process: Process) -> None:
-        """Ended by itself: what it started goes on by itself (AX-540)."""
+        """End a process that finished: the processes it started continue (AX-540)."""
         self._all.pop(process.number, None)
         for child in self._all.values():
             if child.parent == process.number:

@@ -4,19 +4,20 @@ LONGEST = 80  # characters of a line, as of a TEXT
 
 
 class PanelReader:
-    """Takes the keys while a program reads.  wanted: type of what is read, "": nothing; lines: for the program, oldest
-    first; asks: the program has a line, and has not said yet what it reads next."""
+    """Receives the keys while a program reads.  wanted: type that is read, "": none; lines: for the program, oldest first; asks: the
+    program has a line and has not yet requested the next.
+    """
 
     def __init__(self) -> None:
         self.wanted = ""
         self.typed = ""
-        self.echo = ""  # what the display has to show beside, since it was asked last
+        self.echo = ""  # characters to show in addition, since the last query
         self.changed = False
         self.asks = False
         self.lines: list[str] = []
 
     def reads(self, base: str) -> None:
-        """What a program waits for now; what was typed for one that is gone is dropped."""
+        """Set the type that a program now waits for; input typed for an ended one is dropped."""
         self.wanted, self.asks = base, False
         if not base:
             self.changed = self.changed or bool(self.typed)

@@ -27,13 +27,13 @@ class FileEntry:
 
 
 class SystemVariables:
-    """Reads and writes by code number; list lines count from 1, lines behind the last one are empty."""
+    """Reads and writes by code number; list lines count from 1, lines after the last one are empty."""
 
     def __init__(self, processes: ProcessTable, files: Sequence[FileEntry] = (), memory: int = 131072, language: str = "en") -> None:
         self.files = tuple(files)
         self.memory = memory  # bytes in all
         self.cursor, self.control = 1, 0
-        self._selected = 0  # number of a process, not its line: when the list moves up nobody else is selected
+        self._selected = 0  # number of a process, not its line: the selection stays when the list moves up
         self._processes, self._language = processes, language
 
     def read(self, code: int, index: int = 1) -> int | str:

@@ -1,4 +1,4 @@
-"""A read list as a cell file, with a report: what was taken, what had to be assumed, what is missing, what was left aside (AX-272)."""
+"""A read list as a cell file, with a report: applied, assumed, missing and ignored values (AX-272)."""
 
 import re
 from collections import defaultdict
@@ -11,7 +11,7 @@ PER_AXIS = (103, 104, 108, 109, 114, 204, 205, 207, 208)
 NEEDED = (103, 104, 108, 204, 205)  # without them an axis cannot be checked
 DRIVE = tuple(range(602, 616))
 WHOLE_DRIVE = (602, 603, 610, 614)
-SINGLE = (2, 5, 9, 20)  # one whole number
+SINGLE = (2, 5, 9, 20)  # one integer
 FIELDS: tuple[tuple[str, str], ...] = (  # label of P401 -> key of [[rho3.P401]]; "" is read and not needed (L3763-3781, L3903-3923)
     (r"^servo.?b|^servokarte", ""),
     (r"plug|connector|stecker", ""),

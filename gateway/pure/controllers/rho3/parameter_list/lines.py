@@ -1,7 +1,7 @@
-"""Lines of a printed machine-parameter list: which parameter, which axis, bus or board, which label, which value.
+"""Lines of a printed machine-parameter list: parameter, axis, bus or board, label and value.
 
-The manuals we have show the list by its entries ("A_2 MBewert : -16384.0", rho 3 Releases part 3, L3903-3923; "No. of input blocks
-[8 Byte] : 2", part 5, L7399-7455; "SB1 No.of Probe Inp.: 1", L1242; "I.START : 0", L11141), never as a whole.  So a line is taken as
+The available manuals show the list by its entries ("A_2 MBewert : -16384.0", rho 3 Releases part 3, L3903-3923; "No. of input blocks
+[8 Byte] : 2", part 5, L7399-7455; "SB1 No.of Probe Inp.: 1", L1242; "I.START : 0", L11141), never in full.  So a line is read as
 
     P103 any title                   a parameter begins; the text after a colon or an equals sign is its value
     CAN bus 2 / BUS 2                entries below belong to bus 2
@@ -9,7 +9,7 @@ The manuals we have show the list by its entries ("A_2 MBewert : -16384.0", rho 
     SB1 label : value                entry of servo board 1
     label : value                    any other entry; several numbers in a row are one for each axis
 
-Remarks behind ; or <-- and marks of the typesetting (**, <b>) are left out (AX-272).
+Remarks after ; or <-- and marks of the typesetting (**, <b>) are ignored (AX-272).
 """
 
 import re
@@ -85,7 +85,7 @@ def read(text: str) -> Iterator[Entry | Unread]:
 
 
 def _split(line: str) -> tuple[str, tuple[Value, ...]]:
-    """Label and values: behind the last colon or equals sign, else the numbers at the end."""
+    """Return label and values: those after the last colon or equals sign, else the numbers at the end."""
     head, sign, tail = line.rpartition(":") if ":" in line else line.rpartition("=")
     if sign:
         return head.strip(), _values(tail)
@@ -101,7 +101,7 @@ def _values(text: str) -> tuple[Value, ...]:
     words = re.sub(r"\[[^\]]*\]|\([^)]*\)", " ", text).replace(", ", " ").split()
     found = [_value(word) for word in words]
     if len(words) > 1 and _value(words[-1]) is None and all(value is not None for value in found[:-1]):
-        found = found[:-1]  # a unit behind the numbers
+        found = found[:-1]  # a unit after the numbers
     values = tuple(value for value in found if value is not None)
     return values if len(values) == len(found) else ()
 

@@ -1,7 +1,7 @@
 """Every PHG 2000 variable by its number.  Source: rho 3 Releases L9269-9470; rho3 3.8, AX-486.
 
-Processes and files (34305..34570) are read and written by gateway.pure.controllers.rho3.functions.system_variables; their rows stand
-here too.
+Processes and files (34305..34570) are read and written by gateway.pure.controllers.rho3.functions.system_variables; their rows are here
+too.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class Base(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """One row: index from first to last, both 0 with `single` for a variable that is no array."""
+    """One row: index from first to last, both 0 with `single` for a variable that is not an array."""
 
     code: int
     name: str
@@ -206,7 +206,7 @@ def coded_index(kinematic: int, component: int) -> int:
 
 
 def split_index(index: int) -> tuple[int, int]:
-    """(kinematic, component) of a coded index; (0, index) of a simple one, which counts over the whole system."""
+    """Return (kinematic, component) of a coded index; (0, index) of a simple one, which counts over the entire system."""
     return divmod(index - CODED, 256) if index & CODED else (0, index)
 
 
@@ -217,7 +217,7 @@ NOT_HERE = (  # codes from .. to: nothing of the kind is in this control
 
 
 def variable_of(name: str) -> tuple[Variable, int]:
-    """Row and index a name means.  KeyError: it is no name of a variable; VariableError: no such variable or index."""
+    """Return row and index of a name.  Raise KeyError when it does not name a variable, VariableError for an unknown variable or index."""
     parts = name.removeprefix(PREFIX).split(".")
     if not name.startswith(PREFIX) or not 1 <= len(parts) <= 3 or not all(part.isascii() and part.isdigit() for part in parts):
         raise KeyError(name)

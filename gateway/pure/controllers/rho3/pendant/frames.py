@@ -29,7 +29,7 @@ class Command(IntEnum):
 
 
 class FrameError(Exception):
-    """A parameter no pendant takes, or bytes that are no output."""
+    """A parameter that no pendant accepts, or bytes that are not an output."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ def sc_dez(value: float) -> bytes:
 
 
 def sc_ganz(value: int, length: int) -> bytes:
-    """A whole number, right-aligned in `length` places; hyphens where INT_ASC reports an error (L9863-9886)."""
+    """Return an integer, right-aligned in `length` places; hyphens where INT_ASC reports an error (L9863-9886)."""
     return sc_text(int_asc(value, length) or "-" * length)
 
 
@@ -136,7 +136,7 @@ def int_asc(value: int, length: int) -> str | None:
 
 
 def real_text(value: float, length: int) -> str:
-    """As many decimals as `length` places hold, hyphens where the whole part does not fit or it is no number."""
+    """Return as many decimals as `length` places hold; hyphens where the integer part does not fit or the value is not a number."""
     for decimals in range(length - 2, -1, -1):
         text = f"{value:.{decimals}f}"
         if len(text) <= length and text.lstrip("-")[0].isdigit():

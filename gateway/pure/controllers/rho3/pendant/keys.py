@@ -58,7 +58,7 @@ class KeyTable:
         return sound
 
     def named(self, key: str, mode: str = "") -> str | None:
-        """What a key at its place is; None: it has no effect.  A name that is no place is a key by itself."""
+        """Return the function of a key at its place; None: it has no effect.  A name other than a place is a key itself."""
         found = _PLACE.fullmatch(key)
         if found is None:
             return key

@@ -82,8 +82,8 @@ def spoken(mode: Mode) -> str:
 def select(level: Mode, entry: str, modes: Iterable[Mode] = MODES) -> Mode:
     """Level reached by `Mode=entry` from `level`.
 
-    Numbers go down from the present level, a leading 0 begins at the basic level.  A sub-mode that does not exist ends the way at the
-    last valid level, without a message.  An entry with anything but digits and single points is refused as a whole: the level stays.
+    Numbers descend from the present level, a leading 0 begins at the basic level.  A sub-mode that does not exist ends the descent at the
+    last valid level, without a message.  An entry with anything but digits and single points is refused: the level stays.
     """
     known = set(modes)
     steps = entry.split(".")

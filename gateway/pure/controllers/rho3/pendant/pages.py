@@ -121,15 +121,15 @@ def _no_number(text: str, row: int) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """`choose(row)` is ENTER on a row, `put(text, row)` ENTER behind a number where `edits`; they return what is to be said."""
+    """`choose(row)` is ENTER on a row, `put(text, row)` ENTER after a number where `edits`; they return the message."""
 
     title: str
     rows: tuple[str, ...] = ()
     choose: Callable[[int], str] = _nothing
     edits: bool = False
     put: Callable[[str, int], str] = _no_number
-    asks: Callable[[int], str] = _nothing  # a question in front of `choose`; a second ENTER is yes
-    secret: bool = False  # what is put is not shown, and any key behind the question begins it
+    asks: Callable[[int], str] = _nothing  # a question before `choose`; a second ENTER is yes
+    secret: bool = False  # the entry is not shown, and any key after the question begins it
     note: Callable[[int], str] = _nothing  # what became of the last choice in a row
 
 
@@ -257,7 +257,7 @@ def _tested(title: str, mode: Mode, source: Source, language: str) -> Page:
 
 
 def _points(title: str, mode: Mode, source: Source, language: str) -> Page:
-    """4.1, 4.2: ENTER opens a file; then 4.1 takes numbers for the components of points, 4.2 stores the actual position (L4768-4844)."""
+    """4.1, 4.2: ENTER opens a file; then 4.1 accepts numbers for the components of points, 4.2 stores the actual position (L4768-4844)."""
     shown, files = source.point_file(), source.point_files()
     if shown is not None:
         points = shown.points
@@ -312,7 +312,7 @@ def _teaching(head: str, shown: PointFile, source: Source, language: str) -> Pag
 
 
 def _print(title: str, mode: Mode, source: Source, language: str) -> Page:
-    """9.4.2: ENTER prints a whole file; one that special function 16 has selected is offered alone (L10776-10833)."""
+    """9.4.2: ENTER prints an entire file; one that special function 16 has selected is the only one offered (L10776-10833)."""
     shown = source.point_file()
     files = [shown.name] if shown is not None else list(source.point_files())
 

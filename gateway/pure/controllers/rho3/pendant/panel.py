@@ -19,7 +19,7 @@ from gateway.pure.controllers.rho3.pendant.pages import Source, page_of
 from protocols.base.machine import Ns, ms
 
 REFRESH: Ns = ms(200)
-LONGEST = 15  # characters of an entry behind "Mode="
+LONGEST = 15  # characters of an entry after "Mode="
 DIGITS = frozenset("0123456789")
 LISTS = range(1, LINES - 1)  # lines 2 and 3
 
@@ -35,7 +35,7 @@ class Panel:
     """Call `step` once per cycle of the control."""
 
     def __init__(self, display: Display, selection: PhgSelection, statuses: StatusDisplay, source: Source, language: str = "en") -> None:
-        self.reset_wanted = False  # mode 11.1 was chosen: whoever steps this judges it and enters the mode
+        self.reset_wanted = False  # mode 11.1 was chosen: the caller of step checks it and enters the mode
         self._display, self._selection, self._statuses = display, selection, statuses
         self._source, self._language = source, language
         self._entry: str | None = None
@@ -45,7 +45,7 @@ class Panel:
         self._info: list[str] = []  # from the line shown first on
         self._mode = ""
         self._notice = Notice()
-        self._lines: list[str | None] = [None] * LINES  # as written last: only news covers what a higher layer let go
+        self._lines: list[str | None] = [None] * LINES  # as last written: only changed lines cover those that a higher layer released
         self._drawn: Ns = 0
 
     @property
@@ -59,7 +59,7 @@ class Panel:
         return () if self._selection.mode == "0" else tuple(map(int, self._selection.mode.split(".")))
 
     def step(self, now: Ns) -> None:
-        """Keys the system may read, then the lines; what changes by itself is shown five times a second."""
+        """Process the keys that the system may read, then the lines; changing values are shown five times a second."""
         fresh = self._selection.mode != self._mode
         if fresh:
             self._enter()
@@ -106,7 +106,7 @@ class Panel:
 
     # ---- keys ------------------------------------------------------------------------------------------------------------
     def _take(self, key: str) -> None:
-        asked, self._notice = self._notice.asks, Notice()  # any other key is no
+        asked, self._notice = self._notice.asks, Notice()  # any other key means no
         if asked and page_of(self.level, self._source, self._language).secret:
             self._entry, self._value = "", True  # any key --> continue (L5044-5052)
         elif self._info:
@@ -198,7 +198,7 @@ class Panel:
             self._write(line, text)
 
     def _last(self) -> str:
-        """Line 4: what is being typed, else where one is."""
+        """Return line 4: the typed text, else the present mode."""
         if self._entry is None:
             return ""
         if self._value and page_of(self.level, self._source, self._language).secret:

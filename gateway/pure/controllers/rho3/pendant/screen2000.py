@@ -15,7 +15,7 @@ MOST_BYTES, MOST_LINES = 4096, 100
 
 @dataclass(slots=True)
 class Screen2000:
-    """`take` is given what a WRITE has sent."""
+    """`take` receives the output of a WRITE."""
 
     p35: int = 0
     mask: int = 0  # that is shown
@@ -30,7 +30,7 @@ class Screen2000:
     _held: bytearray = field(default_factory=bytearray)
 
     def take(self, data: bytes, *, more: bool) -> None:
-        """A piece of an output; more: it goes on."""
+        """Process a piece of an output; more: it continues."""
         self._held += data[: MOST_BYTES - len(self._held)]
         if more:
             return

@@ -13,6 +13,7 @@ TYPED = {
     "m": "MODE", "i": "INFO", "enter": "ENTER", "backspace": "DELETE", "delete": "DELETE", "full_stop": ".", "comma": ".", "minus": "-",
     "up": "UP", "down": "DOWN", "left": "LEFT", "right": "RIGHT",
 }  # fmt: skip
-PLACES = tuple(f"{level}K{number}" for level in ("", "SHIFT+", "ALT+") for number in range(1, 37))  # by their place: KEY.BNR says what
+# by their place: KEY.BNR defines the function
+PLACES = tuple(f"{level}K{number}" for level in ("", "SHIFT+", "ALT+") for number in range(1, 37))
 BACKUP = "ALT+MODE+DELETE+PERMISSION"  # pressed together: EPROM backup, whatever KEY.BNR makes of the keys (L10386, L11553)
 UNIT = HandUnit("rho 3", 20, 4, KEYPAD, TYPED, (*LETTERS, *PLACES, BACKUP))

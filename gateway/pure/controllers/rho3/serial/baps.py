@@ -50,7 +50,7 @@ BINARY, CHARACTER, INTEGER, REAL, TEXT = (BapsType(kind) for kind in (Kind.BINAR
 
 
 class ItemError(ProtocolError):
-    """A value that cannot be written, or bytes that are no value: with the CONDITION code it leads to."""
+    """A value that cannot be written, or bytes that are not a value; with the resulting CONDITION code."""
 
     def __init__(self, condition: Condition, words: str) -> None:
         super().__init__(words)
@@ -58,12 +58,12 @@ class ItemError(ProtocolError):
 
 
 def point(coordinates: int, belts: int = 0) -> BapsType:
-    """A POINT of a kinematic with so many coordinates and belts."""
+    """Return a POINT of a kinematic with these coordinates and belts."""
     return BapsType(Kind.POINT, coordinates + belts)
 
 
 def jc_point(axes: int, belts: int = 0) -> BapsType:
-    """A JC_POINT of a kinematic with so many axes and belts."""
+    """Return a JC_POINT of a kinematic with these axes and belts."""
     return BapsType(Kind.JC_POINT, axes + belts)
 
 
@@ -95,7 +95,7 @@ def pack(kind: BapsType, value: Value, low_byte_first: bool = True) -> bytes:
 
 
 def unpack(kind: BapsType, data: bytes, low_byte_first: bool = True) -> Value:
-    """The value of exactly kind.size bytes; TEXT gives all 80 (see as_text).  Raises ItemError: "Protocol error READ"."""
+    """Return the value of exactly kind.size bytes; TEXT returns all 80 (see as_text).  Raise ItemError: "Protocol error READ"."""
     if len(data) != kind.size:
         raise _no_value(kind, data)
     order = "<" if low_byte_first else ">"
@@ -124,14 +124,14 @@ def as_text(value: bytes) -> bytes:
 
 
 def whole(value: Value, legal: range, name: str) -> int:
-    """Raises ItemError for what is no integer of this range."""
+    """Raise ItemError for anything but an integer of this range."""
     if not isinstance(value, int) or value not in legal:
         raise ItemError(Condition.PROTOCOL, f"{name} {value!r}: {legal.start} to {legal.stop - 1}")
     return int(value)
 
 
 def real(value: Value) -> float:
-    """Raises ItemError for what is no number or does not fit a single."""
+    """Raise ItemError for a value that is not a number or does not fit a single."""
     if isinstance(value, (int, float)) and math.isfinite(value) and abs(value) < 3.4028235677973366e38:
         return float(value)
     raise ItemError(Condition.POINT if value is None else Condition.DEC_VALUE, f"REAL {value!r}: a finite IEEE single")

@@ -42,7 +42,7 @@ class Driver:
         self._assignment, self._setup, self._interface = assignment, setup, interface
         self.link = Link(PROFILES["rho3"], priority_from_output_timeout(assignment.output_timeout_ms), keep_one=True)
         profile = self.link.profile
-        self._patience: Ns = profile.connect_attempts * profile.ack_delay  # with a port that takes nothing
+        self._patience: Ns = profile.connect_attempts * profile.ack_delay  # with a port that accepts nothing
         self.active = False
         self._writes: list[Job] = []
         self._reads: list[Job] = []
@@ -189,12 +189,12 @@ class Driver:
         self._interface.finish(job, Condition.TIME_OUT, now)
 
     def _serve(self, now: Ns) -> None:
-        """Each READ takes one variable, the first by priority; a block may serve several (7.4)."""
+        """Each READ consumes one variable, the first by priority; a block may serve several (7.4)."""
         while self.active and self._block is not None and self._reads:
             job = first(self._reads)
             kind = job.wanted[len(job.values)]
             data = self._block[self._at : self._at + kind.size]
-            self._at += kind.size  # beyond the end: a border inside the item, what is left of the block goes with it (AX-167)
+            self._at += kind.size  # beyond the end: a border inside the item, which discards the remainder of the block (AX-167)
             self._readers.add(job.process.number)
             try:
                 job.values.append(unpack(kind, data, self._setup.low_byte_first))

@@ -24,7 +24,7 @@ MOST_WAITING = 4096  # characters of user interface or coupling that the port ha
 
 
 class Line:
-    """SER_1 .. SER_4 or the PHG port.  Its seven methods report the events of the whole control, in order."""
+    """SER_1 .. SER_4 or the PHG port.  Its seven methods report the events of the entire control, in order."""
 
     def __init__(self, name: str, setup: Setup, interface: LineInterface) -> None:
         self.name = name
@@ -78,7 +78,7 @@ class Line:
             self._fifo.clear()
 
     def drop(self, process: Process, aborted: bool, now: Ns) -> None:
-        """The program has ended; its outputs go on unless it was aborted."""
+        """Drop an ended program; its outputs continue unless it was aborted."""
         gone = [job for job in self.waiting if job.process == process and (aborted or job.wanted)]
         self.waiting = [job for job in self.waiting if job not in gone]
         if self.owner is not None and self.owner.process == process and (aborted or self.owner.wanted):
@@ -206,7 +206,7 @@ class Line:
         self.owner, self._reader = None, None
 
     def _turn(self, now: Ns) -> None:
-        """Owners begin, go on and end until one has to wait for the line."""
+        """Let owners begin, continue and end until one has to wait for the line."""
         while True:
             if self.owner is None:
                 if not self.waiting:
@@ -263,7 +263,7 @@ class Line:
         return False
 
     def _read(self, job: Job, reader: ItemReader, now: Ns) -> bool:
-        """Characters of one variable; True when it is whole or spoiled."""
+        """Read characters of one variable; True when it is complete or corrupted."""
         while self._fifo:
             item = self._fifo.popleft()
             if isinstance(item, Damage):

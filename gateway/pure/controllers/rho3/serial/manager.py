@@ -30,7 +30,7 @@ MOST_HELD = 4096  # characters held back by `..`
 
 
 class DeviceError(ProtocolError):
-    """A name that is no unit, or a call the interpreter must not make now."""
+    """A name that is not a unit, or a call that the interpreter must not make now."""
 
 
 class LineManager:
@@ -124,7 +124,7 @@ class LineManager:
                 place.read_begin(process)
 
     def assign(self, process: Process, file: str, unit: str) -> None:
-        """ASSIGN file, unit: blanks and the dot behind the unit's name are extension.  Raises DeviceError."""
+        """ASSIGN file, unit: blanks and the dot after the unit's name are extension.  Raise DeviceError."""
         self._files[process.number, file] = _device(unit)
 
     def function(self, process: Process, device: str | None) -> Function:
@@ -271,7 +271,7 @@ class LineManager:
             place.drop(process, aborted, now)
 
     def _aborted(self, process: Process, now: Ns) -> None:
-        """The status stays until end_process: whoever shows the abort wants to see it."""
+        """Keep the status until end_process, so that the abort can be shown."""
         self._held = {key: data for key, data in self._held.items() if key[0] != process.number}
         self._drop(process, True, now)
 

@@ -25,7 +25,7 @@ NO_PRIORITY = 150  # of a program without ;;PROC_PRIO
 
 
 class Do(Protocol):
-    """Calls something with the manager and the time, and moves bytes behind it."""
+    """Makes a call with the manager and the time, then moves bytes."""
 
     def __call__(self, action: Callable[[LineManager, Ns], R], /) -> R: ...
 
@@ -37,7 +37,7 @@ class ProgramUnits:
         self._do, self._step = do, step
         self._units = {function.value for function in setup.by_function if function in UNITS}
         self._reads: dict[int, tuple[BapsType, Finished | None]] = {}
-        self._at_once: dict[int, Finished] = {}  # what ended inside the call that is made just now
+        self._at_once: dict[int, Finished] = {}  # outputs and inputs that ended during the present call
         self._failed: list[Failed] = []
         self._inputs = b""
         self._refusals = 0  # READs that no line could serve have tickets below 0

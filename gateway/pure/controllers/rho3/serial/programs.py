@@ -17,7 +17,7 @@ class DirectiveError(ProtocolError):
 
 
 def ser_io_stop(source: str) -> bool:
-    """Whether an I/O error aborts this program.  Raises DirectiveError: twice, behind the first statement, or malformed."""
+    """Whether an I/O error aborts this program.  Raise DirectiveError: repeated, after the first statement, or malformed."""
     stop: bool | None = None
     started = False
     for number, line in _lines(source):

@@ -73,7 +73,7 @@ class Condition(IntEnum):
     POINT = -11
 
 
-WORDS = {  # beside "Protocol error READ" (7.4) the manual prints no texts; these are the meanings of its table
+WORDS = {  # besides "Protocol error READ" (7.4) the manual prints no texts; these are the meanings of its table
     Condition.NO_INTERFACE: "No interface",
     Condition.OCCUPIED: "Interface occupied",
     Condition.TIME_OUT: "Time out",
@@ -127,7 +127,7 @@ class Assignment:
 
 @dataclass(frozen=True, slots=True)
 class Setup:
-    """The control's serial side.  Raises SetupError for what cannot be; a line that is not in `lines` is legal: -1 at run time."""
+    """The serial lines of a control.  Raise SetupError for an invalid setting; a line that is not in `lines` is legal: -1 at run time."""
 
     assignments: tuple[Assignment, ...]
     lines: tuple[str, ...] = ("SER_1", "SER_2", "SER_3", "SER_4", "PHG")  # those physically there
@@ -135,8 +135,8 @@ class Setup:
     low_byte_first: bool = True  # option: byte sequence of INTEGER and REAL (7.2)
     version: int = 5  # TO01.. = 1.., decides on READ_BEGIN and WRITE_BEGIN (part 2, 10.5)
     files_option: bool = True
-    chunk: int = 8  # characters given to the interface at a time; what is given cannot be taken back (AX-163)
-    fifo: int = 256  # characters kept while nobody reads; one more is an overrun (AX-163)
+    chunk: int = 8  # characters passed to the interface at a time; they cannot be taken back (AX-163)
+    fifo: int = 256  # characters kept while no program reads; one more is an overrun (AX-163)
     line_end: bytes = b""  # what a WRITE of protocols 2, 5, 6 adds when it does not end in `..` (AX-164)
     by_function: dict[Function, Assignment] = field(init=False, repr=False, compare=False, default_factory=dict)
 

@@ -62,7 +62,7 @@ class ItemReader:
 
     @property
     def value(self) -> Value:
-        """Once whole."""
+        """Return the value once it is complete."""
         if not self._kind.components:
             return tuple(self._parts) if self._kind.length else self._parts[0]
         step = self._kind.components
@@ -83,7 +83,7 @@ class ItemReader:
     def _letter(self, byte: int) -> None:
         if byte == CR:
             self._parts.append(bytes(self._word))
-        elif byte != LF or self._word:  # the line feed behind the last carriage return
+        elif byte != LF or self._word:  # the line feed after the last carriage return
             self._word.append(byte)
             if len(self._word) > TEXT_BYTES:
                 raise ItemError(Condition.LENGTH, f"TEXT of more than {TEXT_BYTES} characters: {self._word.hex(' ')}")

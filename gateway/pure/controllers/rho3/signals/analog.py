@@ -1,7 +1,6 @@
-"""Channels of BAPS programs that carry numbers: REAL inputs 201..224 (L7959), and outputs by the same numbers (AX-1120).
+"""Numeric channels of BAPS programs: REAL inputs 201..224 (L7959), and outputs with the same numbers (AX-1120).
 
-A REAL input is there once something is wired to it: a route, a value of a Modbus device, or a tool.  What no route takes up of an output
-is kept here alone.
+A REAL input exists once a route, a value of a Modbus device or a tool is wired to it.  An output that no route uses is only kept here.
 """
 
 import math

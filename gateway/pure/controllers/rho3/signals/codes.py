@@ -1,5 +1,5 @@
 """Faults reported by the cycle, as coded errors of the interface.  Group 3 is servo, INPOS, interpolator stop, drive-on; group 4 PIC, PLC
-and other (rho3 L2945-3017).  The manual at hand gives no numbers of single servo errors: those below are AX-335, except 528.
+and other (rho3 L2945-3017).  The manual at hand prints no numbers of single servo errors: those below are AX-335, except 528.
 """
 
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from gateway.pure.image.records.cell import AxisFlag, CellState
 from gateway.pure.languages.baps2.errors import TEXTS as BAPS
 from protocols.base.machine import Ns
 
-DRIVE_FAULT, DRIVE_LOST, CODED = 768, 788, 20  # + axis - 1; axes behind the 20th stand in the list by axisgate's own numbers alone
+DRIVE_FAULT, DRIVE_LOST, CODED = 768, 788, 20  # + axis - 1; axes after the 20th are listed by axisgate's own numbers only
 CAUSES = {
     Reason.FOLLOWING_ERROR: 808,
     Reason.REFERENCE_FAILED: 809,

@@ -22,7 +22,7 @@ class AxisCommands:
     """Requests of the signals to the dispatcher."""
 
     def __init__(self, dispatcher: CommandDispatcher, sets_override: bool) -> None:
-        """`sets_override`: nobody else of this cell does, so drive-on brings 100 %."""
+        """`sets_override`: no other source of this cell does, so drive-on sets 100 %."""
         self._dispatcher, self._sets_override = dispatcher, sets_override
         self._leaving: set[int] = set()  # command sources whose drive-on has fallen: control goes back at rest
         self._abandon: list[Job] = []  # stopped moves, given up as soon as they rest
@@ -74,7 +74,7 @@ class AxisCommands:
         self._dispatcher.slow_move(move, share)
 
     def run_on(self, mask: int, distance: float) -> None:
-        """Special function 42: m or rad that these axes run on behind an edge."""
+        """Special function 42: m or rad that these axes continue after an edge."""
         self._dispatcher.run_on(mask, distance)
 
     def stop(self, source: int, now: Ns, give_up: Job | None = None) -> None:
@@ -83,7 +83,7 @@ class AxisCommands:
             self._say(source, Command(Code.STOP), now)
             return
         if self._lanes:
-            self._dispatcher.stop_move(give_up)  # the other lanes go on
+            self._dispatcher.stop_move(give_up)  # the other lanes continue
         else:
             self._say(source, Command(Code.STOP), now)
         self._abandon.append(give_up)
@@ -109,7 +109,7 @@ class AxisCommands:
         cell = self._dispatcher.cell
         for job in list(self._abandon):
             if not job.open:
-                self._abandon.remove(job)  # it ended by itself, or its rest is gone
+                self._abandon.remove(job)  # it has ended, or its remainder is gone
             elif cell is not None and cell.motion_of(job.span) is Motion.STOPPED:
                 self._abandon.remove(job)
                 if self._lanes:

@@ -111,7 +111,7 @@ class RhoControl:
 
     # ---- one cycle -----------------------------------------------------------------------------------------------------
     def step(self, inputs: InputImage, cycle: bytes, state: CellState, now: Ns, *, heard: bool = False) -> list[str]:
-        """`cycle`: RC outputs as the cycle published them; `heard`: the PLC has transmitted since.  What a person should read."""
+        """`cycle`: RC outputs as the cycle published them; `heard`: the PLC has transmitted since.  Return messages for the operator."""
         self.view.now, self.view.cell = now, state
         if self.pic is not None and self.pic.stopped:
             self.image.clear()
@@ -142,7 +142,7 @@ class RhoControl:
         return self._watches.stopped or (self.pic is not None and self.pic.stopped)
 
     def _halt(self, now: Ns, *, first: bool) -> list[str]:
-        """Nothing moves and nobody switches on: READY is kept open against every fault reset."""
+        """Prevent motion and drive-on: keep READY open against every fault reset."""
         self._commands.bar((1 << len(self.setup.axes)) - 1)
         if self.view.cell.generation and not self.view.cell.emergency:
             self._commands.open_ready()
@@ -245,7 +245,7 @@ class RhoControl:
         self._commands.slow(move, share)
 
     def run_on(self, robot: int, distance: float) -> None:
-        """MOVE_DIST: m or rad that a robot runs on behind an edge."""
+        """MOVE_DIST: m or rad that a robot continues after an edge."""
         self._commands.run_on(self.setup.robot_masks[robot - 1], distance)
 
     def test_allowed(self) -> bool:
@@ -317,7 +317,7 @@ class RhoControl:
         return bytes(self.image.flags)
 
     def write_flags(self, first: int, data: bytes) -> bool:
-        """Flag bytes from `first` on, as the program of the PIC would; False: there are not so many."""
+        """Write flag bytes from `first` on, as the program of the PIC would; False: beyond the last flag."""
         if first + len(data) > len(self.image.flags):
             return False
         self.image.flags[first : first + len(data)] = data
@@ -347,7 +347,7 @@ class RhoControl:
         return counters[number] if number < len(counters) else None
 
     def names(self) -> list[str]:
-        """Values beside the signals."""
+        """Return the values other than signals."""
         return list(self.values.names)
 
     def value(self, name: str) -> float:

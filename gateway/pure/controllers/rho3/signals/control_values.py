@@ -1,4 +1,4 @@
-"""Values of a control beside its signals, by name: integers, REAL channels, the PIC, boards and whatever else is wired.  Pure."""
+"""Values of a control other than signals, by name: integers, REAL channels, the PIC, boards and other wired values.  Pure."""
 
 from gateway.pure.controllers.rho3.signals.fast_io import Channels
 from gateway.pure.controllers.rho3.signals.pic import PicLink

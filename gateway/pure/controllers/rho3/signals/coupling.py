@@ -156,7 +156,7 @@ def in_blocks(frame: bytes) -> list[Block]:
 
 
 class BlockJoiner:
-    """Puts blocks together; a frame is given only whole, and one with a hole is forgotten."""
+    """Joins blocks; only a complete frame is returned, and one with a missing block is discarded."""
 
     def __init__(self) -> None:
         self._parts: list[Block] = []

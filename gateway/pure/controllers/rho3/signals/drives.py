@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from gateway.pure.controllers.pic_image import PicImage
 
-ALL_ON, FIRST_DRIVE, FIRST_DISABLED, AXES = 66, 192, 216, 20  # RC inputs; axes behind the 20th have the group signal alone (AX-572)
+ALL_ON, FIRST_DRIVE, FIRST_DISABLED, AXES = 66, 192, 216, 20  # RC inputs; axes after the 20th have only the group signal (AX-572)
 DISABLED_WARNING = 1408  # + axis - 1
 
 
@@ -49,7 +49,7 @@ class Asked:
 
 @dataclass(slots=True)
 class _Axis:
-    before: bool = True  # what is set at the first look is no edge
+    before: bool = True  # a level set at the first look is not an edge
     mine: bool = False  # its signal has been set: its falling edge switches it off
 
 
@@ -58,7 +58,7 @@ class DriveOn:
     back starts nothing."""
 
     def __init__(self, axes: int, owner_of: Callable[[int], int]) -> None:
-        """`owner_of`: RC input byte -> number of the command source that gives it, 0: nobody."""
+        """`owner_of`: RC input byte -> number of the command source that writes it, 0: none."""
         self._axes = [_Axis() for _ in range(axes)]
         self._owner_of = owner_of
         self._group = owner_of(ALL_ON >> 3)

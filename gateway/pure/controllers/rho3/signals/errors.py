@@ -1,6 +1,6 @@
 """Errors at the interface: what acknowledges what.  Source: rho3 3.3, 9.1 (L1072-1076, L3033, L3059-3065, L4046-4068), AX-501.
 
-They stand in the one list of the control (gateway.pure.image.error_list), numbered by the rho 3.
+They are kept in the one list of the control (gateway.pure.image.error_list), with the numbers of the rho 3.
 
 Error acknowledgement (bit 62) clears errors and leaves processes alone; Control reset (bit 19) or PHG 11.1 clears more and ends
 processes; EMERGENCY STOP and P2 errors need Control reset; system errors need a restart.
@@ -51,7 +51,7 @@ class Faults:
     """The errors of the rho 3 in the list of the control, and the latch of EMERGENCY STOP."""
 
     def __init__(self, numbers: Numbers = AS_SHIPPED, errors: ErrorList | None = None) -> None:
-        """`errors`: the list of the control; one of its own where nobody gives one."""
+        """`errors`: the list of the control; default: a separate one."""
         self.errors = ErrorList() if errors is None else errors
         self._numbers = numbers
         self._reset, self._acknowledge = Edge(CONTROL_RESET), Edge(ACKNOWLEDGE)

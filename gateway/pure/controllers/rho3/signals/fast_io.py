@@ -85,11 +85,11 @@ class FastInputs:
         return bool(self._p11)
 
     def inputs(self, board: int) -> int:
-        """High-speed inputs P11 gives this board."""
+        """Return the high-speed inputs that P11 assigns to this board."""
         return self._p11[board - 1].inputs if board <= len(self._p11) else 0
 
     def outputs(self, board: int) -> int:
-        """High-speed outputs P11 gives this board."""
+        """Return the high-speed outputs that P11 assigns to this board."""
         return self._p11[board - 1].outputs if board <= len(self._p11) else 0
 
     def shown(self) -> list[str]:
@@ -106,7 +106,7 @@ class FastInputs:
         return self._values.get(channel, False)
 
 
-MF_BITS = 0x0F  # the lower four bits are used, the whole byte is reserved
+MF_BITS = 0x0F  # the lower four bits are used, the entire byte is reserved
 MF_INPUTS, MF_OUTPUTS = 26, 18  # P36 = 0
 MF_NONE = -1  # only BAPS sees them
 FREE_OUTPUTS = frozenset((18, 19, 20, 23, 32, 34, 35, 42, 43, 44, 45, 46, 48, 55, 56, 57, 73, 74, 75))  # L11420
@@ -158,7 +158,7 @@ def _mf_bit(channel: int) -> int:
 
 @dataclass(frozen=True, slots=True)
 class FastParts:
-    """What a control has beside its user inputs and outputs; all of it may be missing."""
+    """Optional parts of a control in addition to its user inputs and outputs."""
 
     boards: tuple[str, ...] = ()  # servo boards 1..3, keys of BOARDS
     p11: tuple[Configured, ...] = ()
@@ -167,7 +167,7 @@ class FastParts:
 
 
 class Channels:
-    """Binary channels of programs: 1.. the user's, 610..639 what P11 gives, 801..804 the multi-function I/O."""
+    """Binary channels of programs: 1.. the user's, 610..639 set by P11, 801..804 the multi-function I/O."""
 
     def __init__(self, parts: FastParts, user: UserPorts, occupied: Collection[int]) -> None:
         """StartUpFault, ValueError: the run-up is aborted."""
@@ -193,7 +193,7 @@ class Channels:
         return self.fast.read(channel)
 
     def _given(self, way: str, channel: int, count: int) -> None:
-        """P11 says how many of the four a program may use; without P11 they are P36's alone."""
+        """Check P11, which sets how many of the four a program may use; without P11 they belong to P36."""
         if self.fast.configured and channel - 800 > count:
             raise InputFault(f"inadmissable {way}: {channel}")
 
@@ -205,7 +205,7 @@ class Channels:
             self.write(channel, bool(value))
 
     def write(self, channel: int, value: bool) -> None:
-        """InputFault: there is no such output."""
+        """Write a channel.  Raise InputFault for an unknown output."""
         if 1 <= channel <= OUTPUTS:
             self._user.write(channel, value)
         elif self.multi is not None and channel >= 800:

@@ -61,7 +61,7 @@ class Mover(Protocol):
         """A share, 0 .. 1, of the speed of this move."""
 
     def run_on(self, robot: int, distance: float) -> None:
-        """m or rad that a robot runs on behind an edge."""
+        """Set the m or rad that a robot continues after an edge."""
 
     def path_closed(self, program: str, robot: int) -> None:
         """It is over."""
@@ -104,7 +104,7 @@ class _Order:
 
 @dataclass(slots=True)
 class HostedPrograms:
-    """Call `report` with what the interpreter publishes, `hear` with each of its records, `step` once per cycle of the control."""
+    """Call `report` with the state published by the interpreter, `hear` with each of its records, `step` once per cycle of the control."""
 
     control: Mover
     language: str = "en"
@@ -112,10 +112,10 @@ class HostedPrograms:
     orders: list[dict[str, Fact]] = field(default_factory=list)  # to the interpreter
     programs: list[dict[str, object]] = field(default_factory=list)  # as it reports them
     rows: list[dict[str, object]] = field(default_factory=list)  # its processes
-    ending: list[int] = field(default_factory=list)  # jobs whose interpreter is gone: the planner hears that nothing follows
+    ending: list[int] = field(default_factory=list)  # jobs whose interpreter is gone: the planner is informed that nothing follows
     starter: int = 0  # command source that starts a program just now; 0: the PLC's
     sentences: list[str] = field(default_factory=list)
-    testing: bool | None = None  # a program is started in test just now; True: held in front of its first line
+    testing: bool | None = None  # a program is being started in test; True: held before its first line
     shown: dict[str, object] = field(default_factory=dict)  # of the test system, as the interpreter reports it
     answers: dict[int, str] = field(default_factory=dict)  # ticket of an order -> why it was refused; "": done
     gone: bool = False  # the interpreter ended under its processes: to be reported
@@ -168,7 +168,7 @@ class HostedPrograms:
         return make
 
     def _lost(self) -> None:
-        """Its processes are gone; what was handed on is run to its end."""
+        """Drop the lost interpreter's processes; motion already handed on runs to its end."""
         table = self.control.processes
         for body in self._bodies.values():
             self._end(body, "lost", INTERPRETER_GONE, "the interpreter ended")
@@ -184,7 +184,7 @@ class HostedPrograms:
             self.control.path_closed(order.program, order.robot)
         self._paths.clear()
 
-    # ---- what it says
+    # ---- its records
 
     def hear(self, said: Mapping[str, Fact], now: Ns) -> None:
         """One record of its ring."""
@@ -217,7 +217,7 @@ class HostedPrograms:
                 self.control.pic.stopped = True
 
     def _asynchronous(self, said: Mapping[str, Fact]) -> None:
-        """Special functions 41 and 42, beside the path."""
+        """Process special functions 41 and 42, which are not part of the path."""
         if said["say"] == "run-on":
             self.control.run_on(int(said["robot"]), float(said["distance"]))
         for order in self._paths:
@@ -225,7 +225,7 @@ class HostedPrograms:
                 self.control.slow(order.job, float(said["share"]))
 
     def _informed(self, said: Mapping[str, Fact]) -> None:
-        """Of the user memory, special functions beside the path, or what became of an order to the test system."""
+        """Process reports of the user memory, special functions outside the path, or the outcome of an order to the test system."""
         if said["say"] in ("slow", "run-on"):
             self._asynchronous(said)
             return

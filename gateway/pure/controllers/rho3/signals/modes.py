@@ -78,7 +78,7 @@ class OperatingModes:
         self._moving = {n: owner for n, owner in self._moving.items() if owner != program or (kinematic and n != kinematic)}
 
     def deselected(self, program: str) -> None:
-        """`program` was deselected or reset: what it barred is free again."""
+        """Unlock the functions that `program` had barred: it was deselected or reset."""
         self.ends(program)
         for programs in self._barred.values():
             programs.discard(program)

@@ -90,7 +90,7 @@ class PanelView:
         return control.hosted.answers.get(ticket) if control.hosted is not None and ordered == what else None
 
     def memory_done(self) -> bool:
-        """An order was carried out behind which the control starts up."""
+        """Return whether an order was executed after which the control starts up."""
         memory, what = self._control.memory, self._control.memory.ordered[0]
         outcome = self.memory_outcome(what) if what not in ("", "print") else None
         if what == "backup" and outcome:

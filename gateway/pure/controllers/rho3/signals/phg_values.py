@@ -54,7 +54,7 @@ class PhgValues:
                 self._outputs(name, first, bits)
 
     def _outputs(self, name: str, first: int, bits: tuple[bool, ...]) -> None:
-        """RC outputs nobody else writes are those of the user."""
+        """Write RC outputs: those without another writer belong to the user."""
         base = self._control.setup.numbers.first_output
         if not base <= first or first + len(bits) > base + USER_OUTPUTS:
             raise VariableError(f"{name}: the control writes it itself; user outputs are bits {base} to {base + USER_OUTPUTS - 1}")

@@ -14,7 +14,7 @@ OFF_NS = 500_000_000  # drives without their enabling inputs are off by then
 
 
 class PicLink:
-    """`orders` go to the interpreter; `take` is what writes its RC inputs: the command source `pic`."""
+    """`orders` go to the interpreter; `take` writes its RC inputs: the command source `pic`."""
 
     def __init__(self, image: PicImage, timers: TimersAndCounters) -> None:
         self._image, self._timers = image, timers
@@ -77,7 +77,7 @@ def _numbers(text: Fact) -> list[int]:
 
 
 class FreshEdges:
-    """Of a PIC that comes back: its bytes stay 0 until the drives are off, and what acts with a rising edge has to fall first (AX-981)."""
+    """Edges of a PIC that comes back: its bytes stay 0 until the drives are off, and edge-triggered bits must fall first (AX-981)."""
 
     def __init__(self, edges: Collection[int]) -> None:
         """edges: RC inputs."""

@@ -1,4 +1,4 @@
-"""Timers and counters of the PIC behind flags.  Source: rho3 3.5 (L4070-4113); P3 how many, P13/P14 their values, AX-502.
+"""Timers and counters of the PIC, controlled by flags.  Source: rho3 3.5 (L4070-4113); P3 how many, P13/P14 their values, AX-502.
 
 Stage s (numbers 8s..8s+7) owns six flag bytes from M6s: counter decrement, counter ready, timer start, timer ready, timer active,
 counter reset.  The manual prints M17 twice for the resets; stage 3 resets at M23 (rho3 D-08), as printed where `reset_as_printed`.
@@ -47,7 +47,7 @@ class TimersAndCounters:
     """`presets`: P13 and P14, in units and pulses; missing ones are 0.  A timer runs while its start flag is set (AX-502)."""
 
     def __init__(self, count: int, timers: Sequence[int], counters: Sequence[int], unit: Ns, reset_as_printed: bool = False) -> None:
-        """ValueError: `count` is no stage, or there are more values than timers or counters."""
+        """Raise ValueError when `count` is not a valid stage, or there are more values than timers or counters."""
         if count not in STAGES:
             raise ValueError(f"P3 = {count}: 8, 16, 24 or 32")
         if max(len(timers), len(counters)) > count or min([0, *timers, *counters]) < 0:

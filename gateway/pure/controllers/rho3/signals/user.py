@@ -25,7 +25,7 @@ class UserPorts:
     """What a program reads and writes by channel."""
 
     def __init__(self, image: PicImage, p24: int = OUTPUTS, p27: int = 0, numbers: Numbers = AS_SHIPPED) -> None:
-        """`p24`: how many outputs a Control reset clears (all unless said); `p27`: 0 INTEGER inputs with strobe, 1 without."""
+        """`p24`: how many outputs a Control reset clears (default: all); `p27`: 0 INTEGER inputs with strobe, 1 without."""
         if not 0 <= p24 <= OUTPUTS or p27 not in (0, 1):
             raise ValueError(f"P24 = {p24} (0..{OUTPUTS}), P27 = {p27} (0 or 1)")
         self._image, self._p24, self._p27, self._numbers = image, p24, p27, numbers
@@ -37,7 +37,7 @@ class UserPorts:
         return self._image.input(input_bit(channel))
 
     def statuses(self) -> tuple[int, ...]:
-        """The machine statuses 1..99 that stand: user input n is status n."""
+        """Return the active machine statuses 1..99: user input n is status n."""
         return tuple(number for number in range(1, STATUSES + 1) if self.read(number))
 
     def write(self, channel: int, value: bool) -> None:
@@ -52,7 +52,7 @@ class UserPorts:
             self.write(channel, False)
 
     def look(self) -> None:
-        """Once per cycle: takes the INTEGER inputs whose strobe has come."""
+        """Call once per cycle; reads the INTEGER inputs whose strobe has come."""
         for number, strobe in enumerate(self._strobes):
             if strobe.rises(self._image):
                 self._taken[number] = self._image.inputs[self._numbers.first_integer // 8 + number]

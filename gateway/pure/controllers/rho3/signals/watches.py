@@ -10,7 +10,7 @@ from gateway.pure.controllers.rho3.signals.supervision import PicGuard, PlcWatch
 from gateway.pure.image.records.cell import CellState
 from protocols.base.machine import Ns
 
-SETTLES = 200  # cycles after a start in which a late one says nothing about the timer (AX-478)
+SETTLES = 200  # cycles after a start in which a late one does not indicate a timer fault (AX-478)
 
 
 class Watches:
@@ -40,7 +40,7 @@ class Watches:
             self._pic.run(image, now, lambda _: program())
 
     def look(self, state: CellState, now: Ns, *, heard: bool) -> None:
-        """Once per cycle; `heard`: the PLC has transmitted since."""
+        """Call once per cycle; `heard`: the PLC has transmitted since."""
         self._cycle.look(state, now)
         plc = self._plc
         if plc is not None and heard:

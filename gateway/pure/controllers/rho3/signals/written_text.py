@@ -1,4 +1,4 @@
-"""WRITE PHG and READ PHG on the display of the panel: lines that scroll, and behind them what is typed."""
+"""WRITE PHG and READ PHG on the display of the panel: scrolling lines, followed by the typed input."""
 
 from gateway.pure.controllers.rho3.functions.display import COLUMNS, LINES, Display, Layer
 
@@ -11,13 +11,13 @@ class WrittenText:
         self._written = ""
 
     def write(self, written: str) -> None:
-        """Line after line, CLS clears; what does not fit is lost at the top."""
+        """Write line after line; CLS clears; the oldest lines are lost at the top."""
         _, cleared, text = written.replace("\r", "").rpartition("\f")
         self._written = (text if cleared else self._written + text)[-LINES * COLUMNS * 2 :]
         self._show()
 
     def echo(self) -> None:
-        """Shows what is typed for READ PHG behind what was written."""
+        """Show the input typed for READ PHG after the written text."""
         reader = self._reader
         if reader.changed:
             reader.changed, echo, reader.echo = False, reader.echo, ""

@@ -25,7 +25,7 @@ class Application:
     fault: bool = False  # a task has stopped with an error
     run: bool | None = None  # start or stop: an edge of val3.run; None: none came
     hold: bool = False
-    move: bool = False  # the operator lets the arm move: behind a stop of others, and to the path it was moved away from
+    move: bool = False  # the operator permits motion: after another stop, and back to the path that the arm was moved away from
     _run: bool = False
 
     def put(self, name: str, value: bool) -> None:
@@ -50,8 +50,9 @@ class Val3Control:
     """Call `step` once per cycle of the services."""
 
     def __init__(self, points: Iterable[Point], owned: Collection[int] = (), *, hosts: bool = False) -> None:
-        """`owned`: RC input bytes a command source gives; a board with an input in one of them is in fault while that command source is
-        lost; `hosts`: the cell runs an application."""
+        """`owned`: RC input bytes that a command source writes; a board with an input in one of them is in fault while that command source
+        is lost; `hosts`: the cell runs an application.
+        """
         self.application = Application()
         self._hosts = hosts
         self.image = PicImage()

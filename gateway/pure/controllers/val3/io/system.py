@@ -105,7 +105,7 @@ class IoSystem:
         return Status.LOCKED if link in self._locked else Status.SIMULATED if link in self._simulated else Status.WORKS
 
     def usable(self, link: str | None) -> Point:
-        """The point behind a link; RunTimeFault 123 without one, 125 where its device is in fault."""
+        """Return the point of a link.  Raise RunTimeFault 123 without one, 125 where its device is in fault."""
         status = self.status(link)
         point = self.point(link)
         if point is None or status is Status.UNKNOWN_LINK:
@@ -115,7 +115,7 @@ class IoSystem:
         return point
 
     def writable(self, link: str | None) -> Point:
-        """The output behind a link; RunTimeFault 122 for an input."""
+        """Return the output of a link.  Raise RunTimeFault 122 for an input."""
         point = self.usable(link)
         if not point.output:
             raise RunTimeFault(RunTime.NOT_AN_OUTPUT, point.path)
@@ -132,7 +132,7 @@ class IoSystem:
         return int(get_bit(data, point.bit))
 
     def put(self, point: Point, raw: int) -> None:
-        """Writes an output; without effect where it is locked, beside the image where it is simulated."""
+        """Write an output; without effect where it is locked, outside the image where it is simulated."""
         if point.name in self._locked:
             return
         if point.name in self._simulated:

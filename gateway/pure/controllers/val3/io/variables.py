@@ -31,7 +31,7 @@ class Instructions:
         self._system = system
 
     def dio_link(self, variable: Dio, source: Dio) -> None:
-        """dioLink: the variable takes the source's link, also none."""
+        """dioLink: the variable receives the source's link, also none."""
         variable.link = source.link
 
     def aio_link(self, variable: Aio, source: Aio) -> None:
@@ -69,7 +69,7 @@ class Instructions:
         return self._system.raw(point) / point.steps
 
     def aio_set(self, variable: Aio, value: float) -> float:
-        """aioSet: returns the value as the output takes it, or what the output carries where the value is out of range."""
+        """aioSet: return the value as the output accepts it, or the output's present value where it is out of range."""
         point = self._system.writable(variable.link)
         wanted = float(int(value)) if point.integer and point.low - 1 < value < point.high + 1 else value
         if not point.low <= wanted <= point.high:

@@ -1,6 +1,6 @@
-"""Instructions under way: what each takes from or gives to a connection, and what a time-out or an error means for it.
+"""Running instructions: what each reads from or writes to a connection, and the effect of a time-out or an error.
 
-Source: VAL 3 manual, 3.7.2 (operators) and 3.7.3 (sioGet, sioSet).  A call waits inside its task; all others go on.
+Source: VAL 3 manual, 3.7.2 (operators) and 3.7.3 (sioGet, sioSet).  A call waits inside its task; all others continue.
 """
 
 from collections.abc import Sequence
@@ -60,7 +60,7 @@ class Read(Call[T]):
     """Takes from the read buffer."""
 
     def advance(self, inbox: Inbox) -> Step:
-        """Takes what it needs if it is there."""
+        """Read what it needs if it is available."""
         raise NotImplementedError
 
 
@@ -119,7 +119,7 @@ class ReadText(Read[str]):
         self._end_of_string = end_of_string
 
     def advance(self, inbox: Inbox) -> Step:
-        """A whole string."""
+        """Read one complete string."""
         line = inbox.line(self._end_of_string)
         if line is None:
             return Step.ENDED if inbox.ended else Step.WAIT

@@ -1,4 +1,4 @@
-"""sioCtrl: which parameter takes which value on which channel.  Source: VAL 3 manual, 3.7.3, sioCtrl."""
+"""sioCtrl: which parameter accepts which value on which channel.  Source: VAL 3 manual, 3.7.3, sioCtrl."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -105,7 +105,7 @@ class SioCore:
         return self._begin(line, Get(sio, deadline_of(line.channel.timeout_s, now), data, start), now)
 
     def set(self, sio: Sio, data: Sequence[float], now: Ns, count: float | None = None, start: int = 0) -> Set:
-        """sioSet of data[start:start + count].  Raises Val3Error 123, 20, 21, 122; 70 for a count that is no count."""
+        """sioSet of data[start:start + count].  Raise Val3Error 123, 20, 21, 122; 70 for an invalid count."""
         line = self._writable(sio)
         _check_index(data, start)
         size = len(data) - start if count is None else count
@@ -148,7 +148,7 @@ class SioCore:
         return code
 
     def cancel(self, call: AnyCall | Call[T]) -> list[AnyCall]:
-        """The task that waited is killed; what its write has given away is gone, what its read would have taken stays."""
+        """Cancel the call of a killed task; bytes already written are gone, bytes it would have read stay."""
         line = self._lines.get(call.sio.link or "")
         return [] if line is None or call.done else line.cancel(call)
 
@@ -192,7 +192,7 @@ class SioCore:
         self._lines[name].not_listening(now)
 
     def room(self, number: int) -> int:
-        """How many bytes a connection's buffer takes now."""
+        """Return how many bytes a connection's buffer accepts now."""
         connection = self._find(number)[1]
         return 0 if connection is None else connection.inbox.room
 

@@ -69,7 +69,7 @@ class Inbox:
         return taken
 
     def line(self, end_of_string: int) -> Line | None:
-        """Takes one whole string, or nothing; a string with a damage inside is taken to its end and reported as damaged."""
+        """Read one complete string, or nothing; a damaged string is read to its end and reported as damaged."""
         if self._scan is None or self._scan.end_of_string != end_of_string:
             self._scan = TextScan(end_of_string)
         scan = self._scan
@@ -96,7 +96,7 @@ class Inbox:
         self._scan = None
 
     def _squeeze(self, scan: TextScan) -> None:
-        """A buffer full of characters no string can hold would never end: they are let go, as the string does in the end anyway."""
+        """Drop characters that no string can hold: a buffer full of them would never end, and the string drops them anyway."""
         gone = scan.used - len(scan.text)
         self._data[: scan.used] = scan.text
         self._marks = [(max(0, place - gone), mark) for place, mark in self._marks]

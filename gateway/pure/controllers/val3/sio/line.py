@@ -19,13 +19,13 @@ RETRY: Ns = ms(250)  # pause between two attempts to open (AX-182)
 
 
 class Line:
-    """Changes nothing outside itself: what has to be done is in `orders`."""
+    """Changes nothing outside itself: required actions are in `orders`."""
 
     def __init__(self, channel: Channel, next_number: Callable[[], int]) -> None:
         self.channel = channel
         self.variables: list[Sio] = []
         self.orders: list[Order] = []
-        self.ignored = 0  # datagrams and clients from a wrong address, datagrams there was no room for
+        self.ignored = 0  # datagrams and clients from a wrong address, datagrams without room
         self._next_number = next_number
         self._shared: Connection | None = None
         self._own: dict[Sio, Connection] = {}
@@ -77,7 +77,7 @@ class Line:
         server = self.channel.kind is Kind.TCP_SERVER
         waiting = [call for call in self._opening if call.sio is sio or not server]
         mine = self._own.get(sio) if server else self._shared if waiting else self._open
-        if mine is None and not waiting:  # an attempt for which nobody waits goes on, and a server listens until the end
+        if mine is None and not waiting:  # an attempt without a waiting call continues, and a server listens until the end
             return -1, []
         dropped = 0 if mine is None else mine.inbox.clear()
         done = self._fail_opening(waiting, "closed by clearBuffer")
@@ -149,7 +149,7 @@ class Line:
             self.orders.append(Open(self._shared.number, self.channel))
 
     def opened(self, connection: Connection) -> list[AnyCall]:
-        """Those who waited for it go on."""
+        """Continue the calls that waited for it."""
         if connection.state is not State.OPENING:
             return []
         connection.state, self._retry_at = State.OPEN, None
@@ -190,7 +190,7 @@ class Line:
         return done
 
     def lost(self, connection: Connection, now: Ns) -> list[AnyCall]:
-        """Sockets: read what came, then error.  Serial: the gap is reported once, the port recovers by itself."""
+        """Sockets: read what came, then error.  Serial: the gap is reported once, the port recovers on its own."""
         if connection.state is State.OPENING:
             return self.refused(connection, now)
         if self.channel.kind is not Kind.SERIAL:

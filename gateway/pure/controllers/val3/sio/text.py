@@ -19,7 +19,7 @@ def encode_text(text: str, end_of_string: int) -> bytes:
 
 
 def nearest_byte(value: float) -> int:
-    """Nearest integer modulo 256: 256.4 -> 0, -1 -> 255; halves go up (AX-185).  Raises Val3Error 70 on what is no number."""
+    """Nearest integer modulo 256: 256.4 -> 0, -1 -> 255; halves go up (AX-185).  Raise Val3Error 70 for anything but a number."""
     if not math.isfinite(value):
         raise Val3Error(Rte.BAD_VALUE, f"{value} has no nearest integer")
     return math.floor(value + 0.5) % 256
@@ -36,7 +36,7 @@ def char_size(lead: int) -> int:
 
 
 class TextScan:
-    """Reads one string out of a growing buffer without taking anything; goes on where it stopped."""
+    """Reads one string out of a growing buffer without consuming it; continues where it stopped."""
 
     def __init__(self, end_of_string: int) -> None:
         self.end_of_string = end_of_string
@@ -45,7 +45,7 @@ class TextScan:
         self.done = False
 
     def run(self, data: bytearray) -> bool:
-        """Whether the string is whole: end character seen, or the next character would not fit any more."""
+        """Return whether the string is complete: end character seen, or the next character would not fit."""
         while not self.done and self.used < len(data):
             if data[self.used] == self.end_of_string:
                 self.used, self.done = self.used + 1, True
@@ -64,7 +64,7 @@ class TextScan:
         if stop != start + size or not _is_character(data[start:stop]):
             self.used = start + 1 if stop == start + size else stop  # not compatible: passed over
         elif len(self.text) + size > MAX_STRING:
-            self.done = True  # stays whole for the next string
+            self.done = True  # stays complete for the next string
         else:
             self.text += data[start:stop]
             self.used, self.done = stop, len(self.text) == MAX_STRING

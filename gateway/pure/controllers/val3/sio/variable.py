@@ -2,7 +2,7 @@
 
 
 class Sio:
-    """Made and deleted through SioCore; a link is a name, no promise that such a channel exists."""
+    """Made and deleted through SioCore; a link is a name; its channel need not exist."""
 
     def __init__(self, link: str | None) -> None:
         self.link = link
