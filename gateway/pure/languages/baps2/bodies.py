@@ -40,7 +40,7 @@ from gateway.pure.languages.base.near import hint_of
 from gateway.pure.languages.base.source import Position
 
 REAL_CHECKED = "(t if -3.4028235e+38 <= (t := {}) <= 3.4028235e+38 else real_overflow())"
-MOST_LOOPS = 16  # Python takes 20
+MOST_LOOPS = 16  # Python allows 20
 
 
 class Bodies:
@@ -63,7 +63,7 @@ class Bodies:
         return f"{letter}{self._temporary}"
 
     def body(self, statements: tuple[Statement, ...], after: Iterable[str], own: Iterable[str] = ()) -> None:
-        """The whole body of a function, its head excluded.  `after`: lines at the end; `own`: variables of this function."""
+        """Write the complete body of a function without its head.  `after`: lines at the end; `own`: variables of this function."""
         labels = label_paths(statements, self.names.faults)
         outer, self.function = self.function, Function(labels, bool(labels))
         written, self.typing.written = self.typing.written, set()
@@ -106,7 +106,7 @@ class Bodies:
         self.out.add("continue")
 
     def several(self, statements: Iterable[Statement]) -> None:
-        """Statements one after the other."""
+        """Write statements in sequence."""
         rows = tuple(statements)
         followed, before = [False] * len(rows), False
         for place in range(len(rows) - 1, -1, -1):
@@ -136,7 +136,7 @@ class Bodies:
         self._at = outer
 
     def _look(self) -> None:
-        """Reports a statement whose text Python cannot take."""
+        """Report a statement whose text Python cannot compile."""
         if self.out.too_deep():
             self._too_complex()
 
@@ -260,7 +260,7 @@ class Bodies:
         self._go(number)
 
     def turn(self, statements: int) -> None:
-        """Counts statements and gives up the processor where the budget is used."""
+        """Count statements and yield the processor when the budget is used up."""
         self.out.add(f"p.left -= {statements}")
         self.out.add("if p.left < 0:")
         self.out.add("    yield TURN")

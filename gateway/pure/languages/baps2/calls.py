@@ -110,7 +110,7 @@ def _place(bodies: Writer, tree: Expression, kind: Type) -> str:
 
 
 def _special(bodies: Writer, statement: CallStatement, symbol: Symbol, values: list[str]) -> None:
-    """A special function: what is passed by reference comes back in lists."""
+    """Write a special function: arguments passed by reference are returned in lists."""
     bodies.out.add(f"yield Special({symbol.channel}, ({' '.join(f'{value},' for value in values)}))")
 
 

@@ -48,7 +48,7 @@ class CellAccess:
         return [task for task in self._cell.tasks.values() if (task.main.run == run if run else task.root is None)]
 
     def components(self, program: str) -> int:
-        """Of the points of a program: axes of its kinematic."""
+        """Return the number of components of a program's points: axes of its kinematic."""
         robots = self._cell.robots
         return robots[min(self._number_of(program), len(robots)) - 1].size if robots else 0
 

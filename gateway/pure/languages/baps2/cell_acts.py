@@ -35,17 +35,17 @@ class Cell(Machine, Protocol):
         """A kinematic of the program by its number."""
 
     def queue(self, task: Task, statement: Statement) -> object:
-        """Puts it behind what is prepared; of one that is alone PENDING until it is done."""
+        """Queue the statement after the prepared ones; one that must be alone returns PENDING until it is done."""
 
 
 class CellActs:
-    """What a program asks for beside its blocks."""
+    """Requests of a program other than blocks."""
 
     def __init__(self, cell: Cell, belts: CellBelts, asynchronous: CellAsynchronous) -> None:
         self._cell, self.belts, self.asynchronous = cell, belts, asynchronous
 
     def ended(self, task: Task) -> None:
-        """The process is over: nothing of what it said begins with another one's block."""
+        """Forget an ended process: none of its statements may begin with the block of another one."""
         for name in task.unit.program.head.kinematics or ("",):
             if name in self._cell.lanes and (task.root is None or self._cell.lanes[name].rider is task):
                 self._cell.lanes[name].before = ()
@@ -102,14 +102,14 @@ class CellActs:
         return self._alone(task, robot.number, f"mach_pos {robot.text('joints', places)}")
 
     def _move_file(self, task: Task, values: tuple[object, ...]) -> object:
-        """MOVE_FILE of a file that is open for reading (L6956-7212); what it holds is looked at before anything moves."""
+        """MOVE_FILE of a file that is open for reading (L6956-7212); its content is checked before any motion."""
         name, _ = self._cell.lane_of(task, values[0])
         file, _ = self._cell.units.place(task, str(values[1]))
         opened = self._cell.filing.opened(file, [task.process.number, task.main.process.number], writing=False)
         if opened is None:
             raise fault(63)
         if task.since == self._cell.now:
-            return PENDING  # what was written in this turn is on the disk with the next one
+            return PENDING  # data written in this turn is on the disk with the next one
         robot, flags = self._cell.robot_of(name), values[3].get() if isinstance(values[3], Ref) else values[3]
         row = flags if isinstance(flags, tuple) else ()
         modulo = ",".join("-" if each is None else f"{each:g}" for each in (*row, *[None] * robot.size)[: robot.size])
@@ -151,7 +151,7 @@ class CellActs:
         return self._cell.queue(task, statement)
 
     def synchronise(self, task: Task, request: demands.Synchronise) -> object:
-        """SYNCHRON and SYNCHRON_END; the blocks behind them are prepared.  PENDING: another program has the kinematic on its belt."""
+        """SYNCHRON and SYNCHRON_END; the blocks after them are prepared.  PENDING: another program has the kinematic on its belt."""
         kinematic, channel = request.kinematic, request.channel
         if not channel:
             for name, lane in self._cell.lanes.on_belts(task, request.belt):
@@ -176,7 +176,7 @@ class CellActs:
         return None
 
     def target(self, robot: CellRobot, lane: Lane, request: demands.MoveTo, values: tuple[float, ...]) -> str:
-        """Keys of a block in a synchronous part; remembers the belt values of a point (those behind the axes)."""
+        """Keys of a block in a synchronous part; remembers the belt values of a point (those after the axes)."""
         followed = self.belts.followed(robot.number)
         extra = values[robot.size :]
         if len(extra) > len(followed):

@@ -36,7 +36,7 @@ class Cell(Protocol):
 
 @dataclass(slots=True, eq=False)
 class _Slowed:
-    """A stretch whose blocks up to `last` go with this V factor; said: their share of the speed, as the cycle has it."""
+    """A stretch whose blocks up to `last` run with this V factor; said: their share of the speed, as known to the cycle."""
 
     stretch: Stretch
     last: int
@@ -45,7 +45,7 @@ class _Slowed:
 
 
 class CellAsynchronous:
-    """What acts beside the blocks."""
+    """Statements that act asynchronously to the blocks."""
 
     def __init__(self, cell: Cell) -> None:
         self._cell = cell

@@ -1,4 +1,4 @@
-"""Belts of a cell as BAPS2 programs count them: channels 501.., counters in mm or deg, values behind the axes in points (rho 3 releases,
+"""Belts of a cell as BAPS2 programs count them: channels 501.., counters in mm or deg, values after the axes in points (rho 3 releases,
 L6021-6460).  Pure.
 """
 
@@ -24,8 +24,9 @@ class CellBelt:
 
 @dataclass(frozen=True, slots=True)
 class CellSetup:
-    """What a cell has beside its robots.  presets: of R and R_PTP, by kinematic; wires: measuring inputs, and the RC input of each (-1: a
-    drive has it)."""
+    """Facts of a cell other than its robots.  presets: of R and R_PTP, by kinematic; wires: measuring inputs, and the RC input of each
+    (-1: a drive has it).
+    """
 
     presets: Sequence[Presets] = ()
     belts: Sequence[CellBelt] = ()
@@ -40,7 +41,7 @@ class CellBelts:
     port: Port
 
     def number(self, channel: int) -> int:
-        """Of a channel 501..508, or of a number as special functions have it; a runtime error where there is no such belt."""
+        """Return the belt of a channel 501..508, or of a number of special functions.  Raise a runtime error for an unknown belt."""
         number = channel % FIRST_CHANNEL
         if not 1 <= number <= len(self.all):
             raise fault(93, str(number))
@@ -61,7 +62,7 @@ class CellBelts:
         return kinds[number - 1] if number <= len(kinds) else PARALLEL
 
     def followed(self, robot: int) -> list[int]:
-        """Those this robot follows: components of its points behind its axes, in this order."""
+        """Return the belts that this robot follows: components of its points after its axes, in this order."""
         return [number for number, belt in enumerate(self.all, 1) if robot in belt.robots]
 
     def values(self, robot: int, count: int) -> tuple[float, ...]:

@@ -22,7 +22,7 @@ from gateway.pure.languages.base.debug import Debugger, Step
 from gateway.pure.languages.base.process import ProcessState
 
 MOST_SHOWN = 200  # variables, elements of arrays among them
-LOOKED_NS = 3_000_000_000  # variables are shown for so long after they were asked for
+LOOKED_NS = 3_000_000_000  # how long variables are shown after a request
 TAUGHT = re.compile(r"h\.taught\('[^']+', '([^']+)'\)")  # as a translation reads its points
 POINT_NAME = re.compile(r"@?[^\W\d]\w{0,31}")
 ELEMENT = re.compile(r"(@?\w+)\[(-?\d{1,9})\]")
@@ -56,19 +56,19 @@ class DebuggedCell(Protocol):
 
 @dataclass(slots=True)
 class CellDebugger:
-    """`hear` takes an order and returns what is answered, `shown` what others see."""
+    """`hear` accepts an order and returns its answer, `shown` returns the published state."""
 
     cell: DebuggedCell
     library: Library  # programs that ask the debugger
     debugger: Debugger = field(default_factory=Debugger)
     movement: bool = True  # WITH or WITHOUT movement (L737-747)
-    _runs: dict[int, bool] = field(default_factory=dict)  # runs to be started in test; held in front of the first line
+    _runs: dict[int, bool] = field(default_factory=dict)  # runs to be started in test; True: held before the first line
     answers: list[tuple[int, int, str]] = field(default_factory=list)  # moment, ticket, why an order was refused
     _looked: int = 0
     _until: int = 0
 
     def take_answers(self, now: int) -> list[tuple[int, str]]:
-        """Answers of the turns before: what they are about is on the disk."""
+        """Return the answers of previous turns, whose effects are on the disk."""
         found = [(ticket, answer) for since, ticket, answer in self.answers if since < now]
         self.answers = [each for each in self.answers if each[0] >= now]
         return found
@@ -117,7 +117,7 @@ class CellDebugger:
     # ---- breakpoints and steps
 
     def _breakpoints(self, program: str, lines: str) -> None:
-        """Each goes to the next line with a statement; one behind the last is dropped."""
+        """Move each to the next line with a statement; one after the last is dropped."""
         unit, _ = self.library.unit(program)
         if unit is None:
             raise DebugFault(f"{program}: no such program, or it has errors")
@@ -235,7 +235,7 @@ def _nowhere(name: str, value: object) -> None:
 
 
 def taught_in(unit: Unit | None) -> list[str]:
-    """Points that a program takes from its point file."""
+    """Return the points that a program reads from its point file."""
     return list(dict.fromkeys(TAUGHT.findall(unit.text))) if unit is not None else []
 
 

@@ -12,7 +12,7 @@ from gateway.pure.languages.baps2.tasks import Task
 from gateway.pure.languages.baps2.values import Array
 from gateway.pure.languages.base.requests import PENDING, Request, RuntimeFault
 
-PROTOCOL = -9  # CONDITION: bytes that are no value of the type (L1983)
+PROTOCOL = -9  # CONDITION: bytes that are not a value of the type (L1983)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class Form:
 
 @dataclass(frozen=True, slots=True)
 class Got:
-    """A READ is over: what CONDITION gives (0: no fault), in words, and the value."""
+    """Result of a READ: CONDITION (0: no fault), its text, and the value."""
 
     condition: int
     words: str = ""

@@ -17,7 +17,7 @@ _LIST = re.compile(r"VTL(\d{3})\.DAT")
 
 
 class CellFiles:
-    """`turn` reports what is new, a few pieces at a time."""
+    """`turn` reports changes, a few pieces at a time."""
 
     def __init__(self, port: Port) -> None:
         self.stamps: dict[str, tuple[str, str]] = {}  # file -> day and time of its last change, as 24.09.95 and 09:40

@@ -25,7 +25,7 @@ from gateway.pure.languages.base.path import Paths, Stretch
 from gateway.pure.languages.base.process import ProcessState
 from gateway.pure.languages.base.requests import PENDING, Ns, RuntimeFault
 
-DRY_NS = 100_000_000  # with nothing to do for so long the order is given back
+DRY_NS = 100_000_000  # idle time after which the order is given back
 
 
 class CellMotion(CellView):
@@ -49,7 +49,7 @@ class CellMotion(CellView):
                 self.port.line(job, text)
 
     def _settle(self) -> None:
-        """Runs what was handed on if nothing follows soon; an order that is no longer needed is withdrawn."""
+        """Run the blocks handed on if nothing follows soon; withdraw an order that is no longer needed."""
         for stretch in self.paths.stretches:
             if isinstance(stretch.owner, Task) and stretch.job:
                 self._settle_one(stretch, stretch.owner)
@@ -143,7 +143,7 @@ class CellMotion(CellView):
             if block.farther is not None and not block.met:
                 block.wanted, block.farther, block.stretch = block.farther, None, None
                 return False
-            self.lane(block.kinematic).measured = None  # what the cycle has measured is newer
+            self.lane(block.kinematic).measured = None  # the cycle's measurement is newer
         return True
 
     def _hand_on(self, task: Task) -> None:
@@ -186,7 +186,7 @@ class CellMotion(CellView):
             under_way += 1
 
     def _hand_on_statement(self, task: Task, item: Statement, *, first: bool) -> bool:
-        """Hands on the statement.  False: it must be alone and is not the first, or its kinematic takes nothing now."""
+        """Hand on the statement.  Return False when it must be alone and is not the first, or its kinematic accepts none now."""
         if item.alone and not first:
             return False
         path = self.paths.of(item.robot)
@@ -210,7 +210,7 @@ class CellMotion(CellView):
         return True
 
     def queue(self, task: Task, statement: Statement) -> object:
-        """Puts it behind what is prepared; PENDING until one that is waited for is done."""
+        """Queue the statement after the prepared ones; PENDING until one that is waited for is done."""
         waits = statement.alone or statement.dummy
         if statement.alone and task.queue:
             return PENDING

@@ -33,7 +33,7 @@ from gateway.pure.languages.base.process import Process, ProcessState
 from gateway.pure.languages.base.requests import PENDING, Ns, Request, RuntimeFault
 from gateway.pure.languages.pic.cell_pic import CellPic
 
-SAID_ANEW = "-"  # no type: what is read next is said, also when it is nothing
+SAID_ANEW = "-"  # not a type: forces the next report of the type that is read, even of none
 PIECE = 1_000  # characters of an output to the screen of a PHG 2000
 OUTPUTS = (
     *range(1, USER + 1),
@@ -66,7 +66,7 @@ class Pendant:
     debugger: CellDebugger
     files: CellFiles
     eeprom: EepromOrders = field(default_factory=EepromOrders)
-    reading: str = ""  # type of what a READ of the panel waits for, as it was said
+    reading: str = ""  # type that a READ of the panel waits for, as reported
 
 
 class CellRun(CellMotion):
@@ -89,8 +89,8 @@ class CellRun(CellMotion):
         self._runs: dict[int, Task] = {}
         self._begun = _Begun()
         self._read: dict[int, set[tuple[int, int]]] = {}  # process -> places that have read in this turn
-        self._asked: Request | None = None  # what is answered just now
-        self.pic: CellPic | None = None  # scanned beside the programs
+        self._asked: Request | None = None  # the request that is being answered
+        self.pic: CellPic | None = None  # scanned in parallel with the programs
         self.pendant = Pendant(CellDebugger(CellAccess(self), library.watched()), CellFiles(port))
         self.scheduler.debugger = self.test.debugger
 
@@ -244,7 +244,7 @@ class CellRun(CellMotion):
     # ---- turns
 
     def turn(self, now: Ns) -> bool:
-        """All processes go on; True: one could go on at once."""
+        """Continue all processes; True: one could continue at once."""
         if self.pic is not None:
             self.pic.turn(now)
         self.now = now
@@ -268,7 +268,7 @@ class CellRun(CellMotion):
         return busy
 
     def _say_read(self) -> None:
-        """The control takes keys of the panel for a program as long as one reads them."""
+        """Report what a program reads: the control passes keys of the panel to it only while it reads them."""
         wanted = ""
         for task in self.tasks.values():
             asked = task.process.waits_for
@@ -328,7 +328,7 @@ class CellRun(CellMotion):
         """Something is prepared that has to be over before the request counts."""
         return bool(task.queue) and task.said is None
 
-    # ---- what is looked up
+    # ---- queries
 
     def _counted(self, task: Task) -> bool:
         """The same statement reads once in an interpolation cycle: the inputs do not change meanwhile."""
@@ -341,14 +341,14 @@ class CellRun(CellMotion):
         return True
 
     def _give_up(self, task: Task) -> object:
-        """BREAK: on behind the others of its priority, once in an interpolation cycle."""
+        """BREAK: continue after the others of its priority, once in an interpolation cycle."""
         if task.round == self._round:
             self.scheduler.processes.remove(task.process)
             self.scheduler.processes.append(task.process)
             return PENDING
         return None
 
-    # ---- what is reported
+    # ---- reports
 
     def _output(self, task: Task, item: Output) -> None:
         super()._output(task, item)

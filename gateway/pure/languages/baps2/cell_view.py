@@ -98,7 +98,7 @@ class CellView(Control):
         return self.robot_of(kinematic).own(self.port.view.set)
 
     def with_belts(self, unit: Unit, kinematic: str) -> tuple[float, ...]:
-        """Set joints, and behind them the counters of belts that the program names as components."""
+        """Return set joints, followed by the counters of belts that the program names as components."""
         robot = self.robot_of(kinematic)
         return (*self.where(kinematic), *self.belts.values(robot.number, max(0, size_of(unit, kinematic) - robot.size)))
 
@@ -130,11 +130,11 @@ class CellView(Control):
         return (*place, *belts)
 
     def world(self, kinematic: str, joints: tuple[float, ...]) -> tuple[float, ...]:
-        """World coordinates of joints; values of belts behind them stay."""
+        """Return world coordinates of joints; the belt values after them are kept."""
         robot = self.robot_of(kinematic)
         return (*robot.world(joints[: robot.size]), *joints[robot.size :])
 
     def joints(self, kinematic: str, world: tuple[float, ...]) -> tuple[float, ...]:
-        """Joints of world coordinates, near where the axes are; values of belts behind them stay."""
+        """Return joints of world coordinates, near the present ones; the belt values after them are kept."""
         robot = self.robot_of(kinematic)
         return (*robot.joints(world[: robot.size], self.where(kinematic)), *world[robot.size :])

@@ -1,4 +1,4 @@
-"""The two points of a circle, which one process gives one after the other (AX-1744).  Pure."""
+"""The two points of a circle, which one process supplies in sequence (AX-1744).  Pure."""
 
 from gateway.pure.languages.baps2 import demands
 from gateway.pure.languages.baps2.errors import fault

@@ -107,7 +107,7 @@ class Control(Plant):
         )
 
     def stop(self, task: Task, how: str) -> None:
-        """Ends a process and its branches; what it started too, where it is stopped."""
+        """End a process and its branches; if it is stopped, also the processes it started."""
         task = task.main
         task.how = how
         if how == "stopped":
@@ -192,12 +192,12 @@ class Control(Plant):
         return True
 
     def _follows(self, task: Task, kinematic: str) -> bool:
-        """Whether its next block moves this kinematic too; one that moves another gives this one away meanwhile."""
+        """Return whether its next block moves this kinematic too; one that moves another releases this one meanwhile."""
         follows = next((item for item in task.queue if isinstance(item, Block)), None)
         return follows is not None and follows.kinematic == kinematic
 
     def _overtakes(self, task: Task, wait: FastWait) -> bool:
-        """A wait holds its own kinematic: the block of another one behind it comes first (L1621-1631)."""
+        """Return whether a following block overtakes a wait: the wait holds its own kinematic only (L1621-1631)."""
         follows = task.queue[1] if len(task.queue) > 1 else None
         if not isinstance(follows, Block) or wait.kinematic in (None, follows.kinematic):
             return False
@@ -208,7 +208,7 @@ class Control(Plant):
         self.outputs[item.channel] = item.value
         self.event(task, "out", item.line, channel=item.channel, value=item.value)
 
-    # ---- what is looked up
+    # ---- queries
 
     def input(self, channel: int) -> int | float:
         """Value of an input now; of a probe that measures in flight: whether it has measured."""

@@ -1,4 +1,4 @@
-"""BAPS2 under a debugger, in virtual time: where each process is, what its variables are, how it goes on."""
+"""BAPS2 under a debugger, in virtual time: position, variables and stepping of each process."""
 
 from gateway.pure.languages.baps2.dry_run import DryRun
 from gateway.pure.languages.baps2.feed import Feed
@@ -29,7 +29,7 @@ class DebugRun:
         return list(self.run.tasks.values())
 
     def resume(self, number: int, how: Step) -> None:
-        """Lets one held process go on in this way, and all others."""
+        """Continue one held process in this way, and all others."""
         for task in self.tasks():
             if task.process.number == number:
                 self.debugger.go_on(task.process, how, task.depth)

@@ -1,4 +1,4 @@
-"""Reads the declarations of a program or a subroutine.  Any order is taken (constants behind variables are printed: L7163-7169)."""
+"""Reads the declarations of a program or a subroutine.  Any order is accepted (the manual prints constants after variables: L7163-7169)."""
 
 from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind, Token
@@ -39,7 +39,7 @@ class DeclarationReader:
         self._begun: list[Token] = []  # names of the declaration that is read
 
     def read(self) -> tuple[Declaration, ...]:
-        """All declarations in front of the body."""
+        """Return all declarations before the body."""
         found: list[Declaration] = []
         while self._begins():
             place, depth = self._stream.place, self._stream.depth
@@ -107,12 +107,14 @@ class DeclarationReader:
         return token.kind is Kind.NAME and self._stream.ahead().text == "." and token.key in self._head.kinematics
 
     def _pass_over(self, place: int) -> list[Declaration]:
-        """To the next declaration or the body; the names on the way are declared, as anything: their uses are no further faults."""
-        listed = self._stream.place != place  # behind the type
+        """Skip to the next declaration or the body; the skipped names are declared with any type, so that their uses are not further
+        faults.
+        """
+        listed = self._stream.place != place  # after the type
         if not listed:
             self._stream.take()
         before = self._stream.ahead(-1).text if listed else ""
-        depth = 0  # of brackets: a type inside them, and one behind the bounds of an array, begins no declaration
+        depth = 0  # of brackets: a type inside them, or after the bounds of an array, does not begin a declaration
         named, found = False, list[Declaration]()
         while not (self._in_body(before) or self._stream.token.kind is Kind.END):
             if depth <= 0 and before != "]" and (self._begins() or (named and self._another())):
@@ -148,7 +150,7 @@ class DeclarationReader:
         return self._listed_of(self.type_name(), public, teach)
 
     def _listed_of(self, kind: TypeName, public: bool, teach: bool) -> list[Declaration]:
-        """The names behind a type."""
+        """Return the names after a type."""
         if not self._colon("behind the type"):
             commented = [self._declare(token, kind) for token in self._stream.commented()]
             channels = kind.base in ("INPUT", "OUTPUT", "BELT")
@@ -158,8 +160,9 @@ class DeclarationReader:
         return [Declared(token.position, token.key, kind, None, public, teach) for token in self._names(kind)]
 
     def _colon(self, where: str) -> bool:
-        """Takes the colon; a missing or wrong one is reported, and what follows in the line is read all the same.  False: a semicolon in
-        its place makes a comment of the list."""
+        """Read the colon; report a missing or wrong one and still read the rest of the line.  False: a semicolon in its place turns the
+        list into a comment.
+        """
         if self._stream.sign(":"):
             self._stream.doubled(":")
             return True
@@ -216,7 +219,7 @@ class DeclarationReader:
         found = [self._declare(self._stream.name("a name"), kind)]
         while self._stream.comma() or self._no_comma(found[-1]):
             if self._begins_next():
-                break  # a comma too many in front of the next declaration
+                break  # a surplus comma before the next declaration
             found.append(self._declare(self._stream.name("a name"), kind))
         for token in self._stream.commented():
             self._head.commented.setdefault(token.key, token.position.line)
@@ -239,7 +242,7 @@ class DeclarationReader:
         return True
 
     def _begins_next(self) -> bool:
-        """Whether a declaration begins behind a comma, and not a name that is a word of the other language (`INTEGER : NO, WERT`)."""
+        """Return whether a declaration begins after a comma, and not a name that is a word of the other language (`INTEGER : NO, WERT`)."""
         behind = self._stream.ahead().text
         return self._begins() and behind not in (",", "=") and (behind in (":", "[") or not self._stream.is_foreign())
 
@@ -286,7 +289,7 @@ class DeclarationReader:
                 return found
 
     def _equal(self, where: str) -> None:
-        """Takes the =; a missing or wrong one is reported, and what follows in the line is read all the same."""
+        """Read the =; report a missing or wrong one and still read the rest of the line."""
         if self._stream.sign("="):
             self._stream.doubled("=")
             return
@@ -368,7 +371,7 @@ class DeclarationReader:
         return True
 
     def _by_value(self) -> bool:
-        """VALUE; a word in front of a type that is another one is reported."""
+        """Read VALUE; report another word before a type."""
         token = self._stream.token
         if token.kind is Kind.NAME and not token.word and self._stream.ahead().word in TYPES:
             self._stream.faults.error("syntax", self._stream.gap, f"VALUE or a type is expected, not {token}")

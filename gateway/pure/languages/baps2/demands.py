@@ -51,7 +51,7 @@ class MoveTo(Request):
     relative: bool
     target: Point
     until: Until | None = None
-    factors: tuple[tuple[str, float], ...] = ()  # behind WITH
+    factors: tuple[tuple[str, float], ...] = ()  # after WITH
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +61,9 @@ class Dwell(Request):
 
 @dataclass(frozen=True, slots=True)
 class WaitFor(Request):
-    """True once `test` holds, False at the end of `limit`.  `fast`: a block of its own, the program goes on at once; then `channel` is that
-    of its high-speed input, `level` the value it waits for."""
+    """True once `test` holds, False at the end of `limit`.  `fast`: a separate block, the program continues at once; then `channel` is
+    that of its high-speed input, `level` the value it waits for.
+    """
 
     test: Callable[[], bool]
     limit: float | None = None
@@ -88,7 +89,7 @@ class ReadDevice(Request):
 
 @dataclass(frozen=True, slots=True)
 class WriteDevice(Request):
-    """`open`: the output goes on with the next WRITE."""
+    """`open`: the output continues with the next WRITE."""
 
     unit: str
     items: tuple[tuple[str, object], ...]
@@ -141,12 +142,12 @@ class Leave(Request):
 
 @dataclass(frozen=True, slots=True)
 class GiveUp(Request):
-    """BREAK: goes on behind the other processes of its priority."""
+    """BREAK: continues after the other processes of its priority."""
 
 
 @dataclass(frozen=True, slots=True)
 class Halt(Request):
-    """Ends the whole program; never answered."""
+    """Ends the entire program; never answered."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +184,7 @@ class Reference(Request):
 
 @dataclass(frozen=True, slots=True)
 class Special(Request):
-    """A special function; values of what is passed by reference as a list."""
+    """A special function; values passed by reference are a list."""
 
     number: int
     values: tuple[object, ...]

@@ -48,7 +48,7 @@ class DryOutputs:
         return bool(self._running)
 
     def call(self, task: Task, function: int, kinematic: str, size: int, values: Sequence[object]) -> None:
-        """IOL or PPO, as the program comes to it.  size: components of the kinematic's points, 0: not known."""
+        """Record IOL or PPO when the program reaches it.  size: components of the kinematic's points, 0: not known."""
         number, coordinate, offset = (int(v) if isinstance(v, int | float) else 0 for v in (values[0], values[2], values[5]))
         position, value = (float(v) if isinstance(v, int | float) else 0.0 for v in (values[3], values[4]))
         if number == 0 or (number > 0 and not 1 <= coordinate <= (size or coordinate)):

@@ -1,4 +1,4 @@
-"""Programs run dry: in virtual time, every block lasts the same, world equals joints.  Pure; gives the trace (AX-696)."""
+"""Dry run of programs: in virtual time, every block lasts the same, world equals joints.  Pure; yields the trace (AX-696)."""
 
 from collections.abc import Iterator
 
@@ -47,7 +47,7 @@ class DryRun(Control):
         self._program = self.start(program, None).unit.name
 
     def go_on(self) -> bool:
-        """One round of all processes; False: the run is over, the trace is whole.  While the debugger holds one, time stands still."""
+        """Run one round of all processes; False: the run is over, the trace is complete.  Time stops while the debugger holds one."""
         if self._over:
             return False
         self._advance()
@@ -123,7 +123,7 @@ class DryRun(Control):
         self.trace.add(self.now, task.unit.name, line, event, **facts)
 
     def _moves_on(self, task: Task, block: Block) -> bool:
-        """Begins or goes on with a block; True: it is over."""
+        """Begin or continue a block; True: it is over."""
         lane = self.lane(block.kinematic)
         if block.began is None:
             if lane.owner not in (None, task) or self.now < task.not_before:
@@ -283,7 +283,7 @@ class DryRun(Control):
         return found[number - 1] if number <= len(found) else 0.0
 
     def prepared(self, task: Task) -> bool:
-        """In the last two P5 of the last movement, or behind it."""
+        """Return whether the task is in the last two P5 of the last movement, or after it."""
         return task.prepared(self.now, self.feed.block, self.feed.p5)
 
     def _halted(self, task: Task, lane: Lane) -> None:

@@ -11,7 +11,7 @@ from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, M
 T = TypeVar("T")
 LEVELS = {"OR": 0, "AND": 1, **dict.fromkeys(("=", "<>", "<", ">", "<=", ">="), 3), "+": 4, "-": 4, "*": 5, "/": 5, "MOD": 5}
 NOT_LEVEL, COMPARED = 2, 3
-FUNCTION_WORDS = {"CHAR": "CHR", "WC_FRAME": "WC_FRAME"}  # words that are functions in front of a bracket
+FUNCTION_WORDS = {"CHAR": "CHR", "WC_FRAME": "WC_FRAME"}  # words that are functions before a bracket
 
 
 class ExpressionReader:
@@ -19,11 +19,11 @@ class ExpressionReader:
 
     def __init__(self, stream: Stream, names: set[str]) -> None:
         self._stream, self.names = stream, names
-        self._alone = False  # one value: a comma behind a number does not separate values
-        self._lines = False  # it may go on in the next line with what looks like an assignment: a comparison
+        self._alone = False  # one value: a comma after a number does not separate values
+        self._lines = False  # it may continue in the next line with a comparison that looks like an assignment
 
     def read(self) -> Expression:
-        """A whole expression."""
+        """Read a complete expression."""
         self._expect_value()
         return self._binary(0)
 
@@ -37,15 +37,15 @@ class ExpressionReader:
         return self.sum()
 
     def alone(self) -> Expression:
-        """A whole expression where no list of values can be, so that a comma in a number is a mistake."""
+        """Read a complete expression where a list of values is impossible, so that a comma in a number is a mistake."""
         return self._within(self.read, alone=True)
 
     def condition(self) -> Expression:
-        """A whole condition, behind which a word of the language follows."""
+        """Read a complete condition, which a word of the language follows."""
         return self._within(self.read, alone=True, lines=True)
 
     def constant(self) -> Expression:
-        """One of a list in front of a colon."""
+        """Read one constant of a list before a colon."""
         return self._within(self.sum, lines=True)
 
     def _within(self, read: Callable[[], T], *, alone: bool = False, lines: bool = False) -> T:
@@ -84,7 +84,7 @@ class ExpressionReader:
             at = self._stream.take().position
             if sign == "=":
                 self._stream.doubled("=")
-            if level > NOT_LEVEL:  # what AND and OR join is a condition
+            if level > NOT_LEVEL:  # operands of AND and OR are conditions
                 self._expect_value(compared=level == COMPARED)
             left = Binary(at, sign, left, self._binary(level + 1))
         self._stream.back()
@@ -165,7 +165,7 @@ class ExpressionReader:
         return number
 
     def _parts(self, value: Expression) -> Expression:
-        """Components and elements behind a value."""
+        """Read components and elements after a value."""
         while True:
             token = self._stream.token
             if token.kind is not Kind.SIGN:

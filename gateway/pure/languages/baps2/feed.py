@@ -40,7 +40,7 @@ class Feed:
 
 
 def feed_of(raw: Mapping[str, object]) -> Feed:
-    """From the tables of a TOML file.  FeedFault: what is wrong, where, and what is expected."""
+    """Return the feed from the tables of a TOML file.  Raise FeedFault with the fault, its place, and the expected form."""
     _known(raw, KEYS, "a feed")
     feed = Feed()
     feed.block = _seconds(raw, "block_s", 1.0)
@@ -109,7 +109,7 @@ def _point(value: object, where: str) -> tuple[float, ...]:
 
 
 def _belts(value: object) -> dict[int, float]:
-    """A number of belts that stand still, a list of speeds in mm/s, or a table: channel or number -> mm/s."""
+    """Read a number of belts at rest, a list of speeds in mm/s, or a table: channel or number -> mm/s."""
     if isinstance(value, int) and not isinstance(value, bool):
         return dict.fromkeys(range(1, int(_number(value, "belts", 0, 8)) + 1), 0.0)
     if isinstance(value, list):

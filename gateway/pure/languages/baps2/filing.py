@@ -13,7 +13,7 @@ LINE_END = b"\r\n"
 
 
 def file_name(text: str) -> str | None:
-    """The name of a file or device as ASSIGN takes it; None: not allowed.  `X` is X.DAT, `X.` has three blanks (L5682-5699)."""
+    """Return the name of a file or device as ASSIGN accepts it; None: not allowed.  `X` is X.DAT, `X.` has three blanks (L5682-5699)."""
     text = text.partition("\0")[0]
     device = _DEVICE.fullmatch(text.rstrip())
     if device is not None and device[1] in DEVICES:
@@ -79,7 +79,7 @@ class Filing:
         self._open[name] = [each for each in self._open.get(name, ()) if each.owner != owner]
 
     def close(self, name: str, owner: int) -> None:
-        """CLOSE: only what this process opened; what was written is there now."""
+        """CLOSE a file opened by this process; its written data is now in the file."""
         for each in self._open.get(name, ()):
             if each.owner == owner and each.writing:
                 self.files[name] = bytes(each.data)

@@ -11,7 +11,7 @@ SIZES = {"BINARY": 1, "CHAR": 1, "INTEGER": 4, "REAL": 4, "TEXT": TEXT_SIZE}
 
 
 class BadForm(Exception):
-    """The bytes are not of the type.  `code`: what CONDITION gives."""
+    """The bytes are not of the type.  `code`: value of CONDITION."""
 
     def __init__(self, code: int) -> None:
         super().__init__(str(code))
@@ -109,7 +109,7 @@ def bytes_of(base: str, size: int, file: bool) -> int:
 
 
 def decode_letters(base: str, size: int, data: bytes) -> tuple[object, int]:
-    """One value from characters and how many of them it took.  BadForm: there is no such value."""
+    """Return one value from characters and the number of characters used.  Raise BadForm for an invalid value."""
     if base == "CHAR":
         return data[:1].decode(CODE_PAGE), 1
     if base == "TEXT":

@@ -1,6 +1,6 @@
 """Workpiece coordinates (rho 3 releases L8797-8817): dc about z, then db about the resulting y', then da about the resulting x''.
 
-The first three components of a point are x, y, z; those behind them are angles of its orientation.  An orientation is corrected as far as
+The first three components of a point are x, y, z; the following ones are angles of its orientation.  An orientation is corrected as far as
 the point has components for it (L8905-8914).
 """
 

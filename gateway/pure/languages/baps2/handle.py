@@ -1,4 +1,4 @@
-"""What a translated program calls directly: things that are only looked up or set, and take no time."""
+"""Direct calls of a translated program: queries and settings that take no time."""
 
 from collections.abc import Generator, MutableMapping
 
@@ -117,7 +117,7 @@ class Handle:
         return self._machine.shared(program)
 
     def stops(self, process: Process, program: str, line: int, flags: MutableMapping[str, object]) -> bool:
-        """Whether the debugger holds the process in front of this line.  `flags`: b<line> of the program, see Debugger."""
+        """Return whether the debugger holds the process before this line.  `flags`: b<line> of the program, see Debugger."""
         debugger = self._machine.scheduler.debugger
         if debugger is None:
             return False

@@ -6,13 +6,13 @@ from itertools import pairwise
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.words import Words
 
-ASSIGNED = ("=", ".", "[")  # behind a name that is assigned to
+ASSIGNED = ("=", ".", "[")  # after a name that is assigned to
 CALLING = ("JUMP", "SUBROUTINE")
 IN_FRONT = "TO VIA AND OR NOT IF UNTIL WAIT WRITE READ JUMP CASE REPEAT".split()  # of a name
 ENGLISH = "en"
 ENDS = ("PROGRAM_END", "SUB_END", "END")
 DECLARES = "INTEGER REAL BINARY CHAR TEXT POINT JC_POINT WC_FRAME ARRAY INPUT OUTPUT FILE BNR_FILE SEMAPHORE CONST EXTERNAL SPC_FCT"
-BEGINS = frozenset(("BEGIN", "START", *DECLARES.split()))  # behind the name of a routine without parameters
+BEGINS = frozenset(("BEGIN", "START", *DECLARES.split()))  # after the name of a routine without parameters
 
 
 def language_of(tokens: Iterable[Token], words: Words) -> str:
@@ -29,7 +29,7 @@ def is_foreign(token: Token, language: str, words: Words) -> bool:
 
 
 def no_subroutines(tokens: list[Token], words: Words) -> Iterator[int]:
-    """Places where the word UP begins no subroutine: it is a name (an output UP beside one DOWN)."""
+    """Yield the places where the word UP does not begin a subroutine but is a name (an output UP next to one DOWN)."""
     places = [place for place, token in enumerate(tokens) if token.word == "SUBROUTINE"]
     language = language_of(tokens, words) if places else ""
     for place in places:
@@ -42,7 +42,7 @@ def no_subroutines(tokens: list[Token], words: Words) -> Iterator[int]:
 
 
 def _is_operand(tokens: list[Token], place: int) -> bool:
-    """Whether a word of the own language that begins a subroutine is a name: the signs and words beside it allow nothing else."""
+    """Return whether a word of the own language that begins a subroutine is a name: its neighbours allow nothing else."""
     before, behind = tokens[max(place - 1, 0)], tokens[min(place + 1, len(tokens) - 1)]
     if behind.kind is Kind.SIGN and behind.text != "(":
         return True
@@ -53,7 +53,7 @@ def _is_operand(tokens: list[Token], place: int) -> bool:
 
 
 def _begins_routine(tokens: list[Token], place: int) -> bool:
-    """Whether a name and the beginning of a routine follow behind the end of another one."""
+    """Return whether a name and the beginning of a routine follow the end of another one."""
     name, behind = tokens[min(place + 1, len(tokens) - 1)], tokens[min(place + 2, len(tokens) - 1)]
     begins = behind.text == "(" or behind.word in BEGINS or behind.kind is Kind.INSTRUCTION
     before = tokens[place - 1] if place else None

@@ -1,5 +1,4 @@
-"""What a process is doing and what its variables are: its routines, the innermost first, and the names of the program behind those of its
-translation."""
+"""Position and variables of a process: its routines, the innermost first, with names of the program instead of those of its translation."""
 
 import bisect
 import re
@@ -43,7 +42,7 @@ def frames_of(task: Task | None, unit_of: UnitOf) -> list[Frame]:
 
 
 def lines_of(unit: Unit | None) -> list[int]:
-    """Lines with a statement; none where there is no such program, or it has errors."""
+    """Return the lines with a statement; none for an unknown program or one with errors."""
     return sorted({int(found[2]) for found in LINE.finditer(unit.text)}) if unit is not None else []
 
 
@@ -67,7 +66,7 @@ def _routine(name: str, program: str) -> str:
 
 
 def plain_name(python: str) -> str:
-    """The name of the program behind one of its translation."""
+    """Return the name in the program for one of its translation."""
     found = _VARIABLE.fullmatch(python)
     return _SIGN.sub(_sign, found[2]) if found is not None else python
 

@@ -31,7 +31,7 @@ _NAME = re.compile(r"[^\W\d]\w*")
 
 
 def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) -> Instruction | None:
-    """Enters an instruction in the head; one that acts among the statements is returned (`begun`: behind BEGIN)."""
+    """Enter an instruction in the head; return one that acts among the statements (`begun`: after BEGIN)."""
     text, _, comment = (part.strip() for part in text.partition(";"))
     match = _FORM.fullmatch(text)
     if match is None:
@@ -152,7 +152,7 @@ def _components(word: str, kinematic: str, value: str, at: Position, head: Head,
 
 
 def _once(word: str, value: str, at: Position, head: Head, faults: Faults, begun: bool) -> bool:
-    """What holds for the whole program: in front of BEGIN, and once (L2198, L5738-5739)."""
+    """Enter an instruction for the entire program: before BEGIN, and once (L2198, L5738-5739)."""
     if begun or head.over:
         faults.error("instruction-place", at, f"{word} belongs at the beginning of the program, in front of BEGIN")
     elif word in head.said:

@@ -1,7 +1,7 @@
 """Characters to tokens.  Line ends mean nothing but for comments and compiler instructions; names are compared without case.
 
 Source: rho 3 releases, the programs printed (`;` comments L1156, `(* *)` L8084, `;;` instructions L1145, `::` for them D-30).
-A `;` right behind a word that only assignments follow separates them (`AFACTOR=1;DFACTOR=1`, L11628; AX-690).
+A `;` directly after a word that only assignments follow separates them (`AFACTOR=1;DFACTOR=1`, L11628; AX-690).
 """
 
 import re
@@ -40,12 +40,12 @@ class Token(NamedTuple):
 
     @property
     def end(self) -> Position:
-        """The place right behind it."""
+        """The place directly after it."""
         quotes = 2 if self.kind is Kind.TEXT else 0
         return self.position._replace(column=self.position.column + len(self.text) + quotes)
 
     def touches(self, behind: "Token") -> bool:
-        """Whether the other one is right behind it, without a blank."""
+        """Return whether the other one follows directly, without a blank."""
         here, there = self.position, behind.position
         return (here.line, here.file, here.column + len(self.text)) == (there.line, there.file, there.column)
 
@@ -67,7 +67,7 @@ _PATTERN = re.compile(
     """,
     re.VERBOSE | re.DOTALL,
 )
-_BEHIND = re.compile(r"[^\W\d]\w*|(?:\.\d+)+")  # a word right behind a number, or a second point in it
+_BEHIND = re.compile(r"[^\W\d]\w*|(?:\.\d+)+")  # a word directly after a number, or a second point in it
 SKIPPED = ("blank", "comment", "separator")
 QUOTES = "'\""
 _SAME = {"=<": "<=", "=>": ">="}
@@ -79,13 +79,13 @@ def _runs_on(found: str, match: re.Match[str], behind: re.Match[str], position: 
     """Reports a number that does not end where it should: what to read for it, and up to where."""
     if behind[0].startswith("."):
         faults.error("no-token", position, f"'{found}{behind[0]}' is not a number")
-        return found.partition(".")[0] or "0", behind  # a whole number fits everywhere
+        return found.partition(".")[0] or "0", behind  # an integer fits everywhere
     faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
     return found, match
 
 
 def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Token]:
-    """All tokens, an END token last.  What is no token is a fault and is passed over."""
+    """Yield all tokens, an END token last.  Anything else is a fault and is skipped."""
     text, at, line, start = source.text, 0, 1, 0
     name, above, size, match_at = source.name, source.included_from, len(source.text), _PATTERN.match
     new = tuple.__new__  # a call less for each of the many tokens
@@ -133,7 +133,7 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Toke
 
 
 def _misnamed(name: str, position: Position, known: dict[str, tuple[Kind, str, str]], faults: Faults) -> Token:
-    """A name that begins with a digit: it is said once, and the name is read as any other."""
+    """Return a name that begins with a digit: it is reported once and read like any other."""
     if name.upper() not in known:
         faults.error("name-begins-with-digit", position, f"{name} begins with a digit", "a name begins with a letter")
         known[name.upper()] = Kind.NAME, name, ""

@@ -130,7 +130,7 @@ class Library:
     def _repaired(
         self, source: SourceFile, uses: set[str], found: tuple[Program | None, Unit | None, Faults]
     ) -> tuple[Program | None, Unit | None, Faults]:
-        """The same with what is missing in its place, if it has fewer faults."""
+        """Return the same with the missing parts inserted, if it has fewer faults."""
         results: dict[tuple[Repair, ...], tuple[Program | None, Unit | None, Faults]] = {(): found}
 
         def trial(repairs: Sequence[Repair]) -> Faults:
@@ -143,7 +143,7 @@ class Library:
         return results[repairs_of(tokens, trial)]
 
     def unit(self, name: str) -> tuple[Unit | None, Faults]:
-        """A program that can run, or None with its faults; without faults there is no source."""
+        """Return a program that can run, or None with its faults; None without faults means that the source is missing."""
         name = name.upper()
         if name not in self._units:
             text = self._store.text(f"{name}.QLL")

@@ -13,14 +13,14 @@ from motion.program.blocks import Interpolation
 from motion.program.passing import Passing, Presets, Range
 from motion.program.text.values import LONGEST_WITHIN_S
 
-LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form takes it
-LEG_S = 100.0  # of a block to a far place at most: the cycle begins it when it has all its pieces, and takes two of them (1 s) a turn
+LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form accepts it
+LEG_S = 100.0  # longest block to a far place: the cycle begins it when it has all its pieces, and reads two of them (1 s) a turn
 KINDS = (("V", "path", "V_PTP", "speed", 0), ("A", "pathaccel", "A_PTP", "accel", 1), ("D", "pathdecel", "D_PTP", "decel", 2))
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """A movement as the program wants it.  factors: V, A, D and the like in force, those behind WITH for this block alone; presets: of
+    """A movement requested by the program.  factors: V, A, D and the like in force, those after WITH for this block alone; presets: of
     R and R_PTP (P212 to P214), in mm and deg."""
 
     robot: CellRobot
@@ -49,13 +49,14 @@ def system(frame: Frame) -> list[str]:
 
 
 def within(limit: float | None) -> str:
-    """MAX_TIME of MOVE UNTIL (s) as a key behind until=; a negative one counts as 0."""
+    """Return MAX_TIME of MOVE UNTIL (s) as a key after until=; a negative one counts as 0."""
     return "" if limit is None else f" within={min(max(limit, 0.0), LONGEST_WITHIN_S):.10g}"
 
 
 def line(wanted: Wanted, world: Sequence[float], shares: Sequence[float], through: Wanted | None = None) -> str:
-    """The block.  world: joints the program's last point leads from, for angles a point does not say; shares: global factors V, A, D;
-    through: the first of the two points of a circle."""
+    """Return the block.  world: joints from which the program's last point leads, for angles that a point omits; shares: global factors V,
+    A, D; through: the first of the two points of a circle.
+    """
     way = wanted.way
     if way == "circular":
         if through is None:
@@ -75,8 +76,9 @@ def check(way: str, via: bool, factors: Mapping[str, float], presets: Presets | 
 
 
 def leg(wanted: Wanted, here: Sequence[float], shares: Sequence[float]) -> Wanted | None:
-    """What of a PTP block from `here` takes LEG_S; None: all of it can be planned at once.  A balancing machine goes to 9999999.0 until its
-    probe comes (L6763, 6844)."""
+    """Return the part of a PTP block from `here` that lasts LEG_S; None: all of it can be planned at once.  A balancing machine goes to
+    9999999.0 until its probe comes (L6763, 6844).
+    """
     robot = wanted.robot
     if wanted.way != "ptp" or wanted.relative or not (wanted.joint or robot.plain):
         return None

@@ -68,10 +68,10 @@ class Machine(Protocol):
         """Joints of a kinematic as they are measured now."""
 
     def with_belts(self, unit: Unit, kinematic: str) -> tuple[float, ...]:
-        """Joints of a kinematic now, and behind them the counters of belts that the program names as its components."""
+        """Return the present joints of a kinematic, followed by the counters of belts that the program names as its components."""
 
     def measuring_system(self, unit: Unit, number: int) -> float:
-        """What a measuring system reads: axes of all kinematics, then belts, from 1; a runtime error where there is no such."""
+        """Return the value of a measuring system: axes of all kinematics, then belts, from 1.  Raise a runtime error for an unknown one."""
 
     def belt(self, channel: int) -> float:
         """Counter of a belt in mm."""

@@ -12,7 +12,7 @@ _POINT = re.compile(r"(?:[^\W\d]\w*\s*\.\s*)?(@?[^\W\d]\w*(?:\s*\[\s*-?\d+\s*\])
 _DOS = re.compile(rb"[A-Za-z][\x81\x84\x94\xe1]|[\x81\x84\x94\x8e\x99\x9a][a-z]")  # umlauts in words, with code page 437
 _WINDOWS = re.compile(rb"[A-Za-z][\xfc\xe4\xf6\xdf]|[\xfc\xe4\xf6\xc4\xd6\xdc][a-z]")
 Points = dict[str, tuple[float, ...]]
-POINT_DIGITS = 9  # behind the point: what an angle of 0 has beyond is the rest of a calculation
+POINT_DIGITS = 9  # after the decimal point: further digits of an angle of 0 are rounding residue
 
 
 def decoded(data: bytes) -> str:
@@ -50,7 +50,7 @@ class Memory:
         return self._ages.get(name) if self._ages else age_of(self.text(f"{name}.IRD"), self.text(f"{name}.QLL"))
 
     def newest(self, name: str) -> None:
-        """A program was translated just now; an order of translations that was given goes on with it."""
+        """Append a program just translated to a given order of translations."""
         if self._ages:
             self._ages[name.upper()] = max(self._ages.values()) + 1
 

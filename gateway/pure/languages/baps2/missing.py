@@ -26,7 +26,7 @@ OPENERS = {
 }
 SEVERAL = "put several statements between BEGIN and END"
 COMPARED = ("=", "<>", "<", ">", "<=", ">=")
-JOINED = (*COMPARED, "+", "-", "*", "/", ".", "[")  # signs of a condition behind its first name
+JOINED = (*COMPARED, "+", "-", "*", "/", ".", "[")  # signs of a condition after its first name
 ENDS_ROUTINE = ("PROGRAM_END", "SUB_END")
 
 
@@ -46,7 +46,7 @@ class Reads(Protocol):
 
 
 class Missing:
-    """Finds the words.  `open`: for each construct that is being read, the words that go on with it or end it."""
+    """Finds the words.  `open`: for each construct that is being read, the words that continue or end it."""
 
     def __init__(
         self, stream: Stream, expressions: ExpressionReader, declarations: DeclarationReader, mistakes: Mistakes, reads: Reads
@@ -103,7 +103,7 @@ class Missing:
         return self._begun("REPEAT", token) if self._is_ahead("TIMES", lines=1) else None
 
     def _conditional(self, token: Token) -> Statement | None:
-        """A condition with THEN behind it."""
+        """Read a condition followed by THEN."""
         return self._begun("IF", token) if self._is_ahead("THEN") else None
 
     def _is_ahead(self, word: str, lines: int = 2) -> bool:
@@ -118,7 +118,7 @@ class Missing:
         return False
 
     def of_condition(self, at: Position) -> Statement | None:
-        """Behind an assignment that is one only because IF is missing in front of it."""
+        """Handle an assignment that is one only because IF is missing before it."""
         if self._stream.token.word != "THEN" or self._stream.too_deep:
             return None
         token = self._stream.token
@@ -143,7 +143,7 @@ class Missing:
         return Jump(token.position, self._stream.take().key)
 
     def operator(self) -> bool:
-        """Whether the condition goes on without an operator, up to a THEN; it is reported and passed over."""
+        """Return whether the condition continues without an operator, up to a THEN; report and skip it."""
         token = self._stream.token
         if token.word in self._reads.readers or not self._is_ahead_of_value("THEN"):
             return False
@@ -164,7 +164,7 @@ class Missing:
         return False
 
     def in_move(self, until: bool) -> str:
-        """The word that a MOVE lacks in front of what is next: WITH, UNTIL or ERROR; it is reported."""
+        """Report and return the word that a MOVE lacks before the next token: WITH, UNTIL or ERROR."""
         token, following = self._stream.token, self._stream.ahead()
         word, line = "", token.position.line
         if until and token.word in ("JUMP", "HALT", "WRITE", "BEGIN", "STOP") and self._is_ahead("TO", lines=3):
@@ -187,7 +187,7 @@ class Missing:
         return following.word in words and following.position.line == line + 1
 
     def until(self, tree: Expression, token: Token) -> bool:
-        """Whether the value behind WAIT, which begins with the token, is a condition; that UNTIL is missing is reported."""
+        """Return whether the value after WAIT, which begins with the token, is a condition; report the missing UNTIL."""
         sign = getattr(tree, "sign", "")
         if sign not in (*COMPARED, "AND", "OR", "NOT") and not self._stream.is_word(("MAX_TIME",)):
             return False
@@ -205,7 +205,7 @@ class Missing:
         return True
 
     def of_choice(self) -> tuple[Statement, ...]:
-        """Statements behind the one of a choice: reported, and read up to what goes on with the CASE; none: CASE_END is missing."""
+        """Report statements after the one of a choice and read them up to the continuation of the CASE; none: CASE_END is missing."""
         token = self._stream.token
         if token.word in (*IN_CASE, "ELSE") or not self._closes_on("CASE", "CASE_END"):
             return ()
@@ -222,7 +222,7 @@ class Missing:
             place += 1
         return False
 
-    # ---- words that end or go on with nothing
+    # ---- words that end or continue nothing --
 
     def orphan(self) -> Statement | None:
         """Reads a word that no construct around it has begun, and what belongs to it; None: a construct around it is meant."""

@@ -1,4 +1,4 @@
-"""Mistakes of typing among statements: each is one fault at its place, and reading goes on as it was meant (AX-1734, AX-1747)."""
+"""Mistakes of typing among statements: each is one fault at its place, and reading continues as intended (AX-1734, AX-1747)."""
 
 from collections.abc import Callable, Collection
 
@@ -15,7 +15,7 @@ CLOSERS = frozenset(
     "END PROGRAM_END SUB_END REPEAT_END PARALLEL_END ALSO EXCLUSIVE_END CASE_END EQUAL DEFAULT ELSE SUBROUTINE PROGRAM".split()
 )
 BEHIND_KINEMATIC = ("LINEAR", "PTP", "CIRCULAR", "WITH", "UNTIL", "TO", "VIA")
-WITH_OPERAND = frozenset(  # what they work on is in their line
+WITH_OPERAND = frozenset(  # their operand is in their line
     "MOVE MOVE_REL WAIT IF CASE REPEAT EXCLUSIVE JUMP START STOP SYNC SYNCHRON "
     "READ WRITE READ_BEGIN WRITE_BEGIN WRITE_END CLOSE ASSIGN".split()
 )
@@ -62,7 +62,7 @@ class Mistakes:
         return bool(spelling)
 
     def misspelt_part(self, words: Collection[str], where: str) -> None:
-        """The same for words inside of a statement, in front of a name, a number or a bracket in their line."""
+        """The same for words inside a statement, before a name, a number or a bracket in their line."""
         token, following = self._stream.token, self._stream.ahead()
         goes_on = following.kind in (Kind.NAME, Kind.NUMBER) or following.text in ("(", "@", "=")
         if self.is_known(token) or not goes_on or following.position.line != token.position.line:
@@ -114,7 +114,7 @@ class Mistakes:
     # ---- signs
 
     def colon(self, where: str) -> bool:
-        """Takes the colon behind constants; False: it is missing (reported), and reading goes on as if it were there."""
+        """Read the colon after constants; False: it is missing (reported), and reading continues as if it were present."""
         if self._stream.sign(":"):
             self._stream.doubled(":")
             return True
@@ -125,7 +125,7 @@ class Mistakes:
         return False
 
     def constants(self) -> list[Expression]:
-        """The constants of a choice; where one is misread, reading goes on at the colon."""
+        """Read the constants of a choice; after a misread one reading continues at the colon."""
         found: list[Expression] = []
         depth, line = self._stream.depth, self._stream.ahead(-1).position.line
         try:
@@ -141,7 +141,7 @@ class Mistakes:
         return found
 
     def unassigned(self) -> bool:
-        """Whether a declared name is next with its value behind it, without the =."""
+        """Return whether a declared name is next, followed by its value without the =."""
         token, following = self._stream.token, self._stream.ahead()
         if token.key not in self._expressions.names or token.key in self._declarations.programs or self.is_kinematic(following):
             return False
@@ -183,7 +183,7 @@ class Mistakes:
         return True
 
     def no_kinematic(self) -> str:
-        """A name that is nothing else, in front of what goes on behind a kinematic: not a teach point, whose list goes on with a comma."""
+        """Read an undeclared name where a kinematic may be: not a teach point, whose list continues with a comma."""
         token, following = self._stream.token, self._stream.ahead()
         if token.kind is not Kind.NAME or token.word or following.word not in BEHIND_KINEMATIC or token.key in self._expressions.names:
             return ""
@@ -192,7 +192,7 @@ class Mistakes:
         return self._stream.take().key
 
     def no_target_word(self) -> None:
-        """A name in front of a declared point, in its line: a misspelt TO or VIA, and no teach point."""
+        """Report a name before a declared point in its line: a misspelt TO or VIA, not a teach point."""
         token, following = self._stream.token, self._stream.ahead()
         names = self._expressions.names
         pointed = following.kind is Kind.NAME and following.key in names and following.key not in self._declarations.programs
@@ -203,7 +203,7 @@ class Mistakes:
                 self._stream.take()
 
     def target(self) -> None:
-        """Reports a target that is missing in front of the next assignment or label."""
+        """Report a missing target before the next assignment or label."""
         if self._stream.ends_line():
             self._stream.wrong(f"a point is expected, not {self._stream.token}")
 
@@ -216,7 +216,7 @@ class Mistakes:
             self._expressions.names.add(self._stream.token.key)
 
     def device(self) -> str:
-        """A device or file, behind which a comma is missing."""
+        """Read a device or file that lacks the following comma."""
         token, following = self._stream.token, self._stream.ahead()
         names, device = self._expressions.names, token.key in DEVICES and token.key not in self._expressions.names
         value = following.kind in (Kind.TEXT, Kind.NUMBER) or (following.kind is Kind.NAME and following.key in names)
@@ -247,15 +247,15 @@ class Mistakes:
             return ""
 
     def condition(self, ends: Collection[str]) -> Expression:
-        """A condition; where it is misread, reading goes on with one of these words."""
+        """Read a condition; if it is misread, reading continues at one of these words."""
         return self._value(self._expressions.condition, lambda line: self._goes_on(ends))
 
     def header(self) -> Expression:
-        """What a REPEAT or CASE works on; where it is misread, reading goes on behind its line."""
+        """Read the operand of a REPEAT or CASE; if it is misread, reading continues after its line."""
         return self._value(self._expressions.alone, self._behind)
 
     def _value(self, read: Callable[[], Expression], goes_on: Callable[[int], bool]) -> Expression:
-        """A value; where it is misread, reading goes on where `goes_on` leads from this line, and is given up where that is False."""
+        """Read a value; if it is misread, reading continues where `goes_on` leads from this line, and is given up where that is False."""
         at, depth = self._stream.token.position, self._stream.depth
         try:
             return read()

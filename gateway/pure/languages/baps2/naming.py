@@ -12,7 +12,7 @@ from gateway.pure.languages.base.source import Position
 
 Programs = Callable[[str], Program | None]
 MOST_ELEMENTS = 100_000
-CHANNELS = {  # ranges of channels and the type of what is there (spec 0.3)
+CHANNELS = {  # ranges of channels and their types (spec 0.3)
     "input": ((1, 199, BINARY), (201, 224, REAL), (401, 408, INTEGER), (600, 799, BINARY), (801, 804, BINARY)),
     "output": ((1, 199, BINARY), (201, 224, REAL), (401, 408, INTEGER), (801, 804, BINARY)),
 }
@@ -34,7 +34,7 @@ class Naming:
         self._names.faults.error(id, at, text, hint)
 
     def declare(self, declarations: Iterable[Declaration], level: int) -> None:
-        """All of a routine; constants first, because they may be behind what uses them (L7163-7169)."""
+        """Declare all names of a routine; constants first, because they may follow their uses (L7163-7169)."""
         found = tuple(declarations)
         for each in found:
             if isinstance(each, Constant):
@@ -164,7 +164,7 @@ class Naming:
         program = self._programs(name) if name != self._program else None
         if program is None and name != self._program:
             self._missing(name, at)
-            return Symbol(name, "program", constant="any")  # what it takes is not known
+            return Symbol(name, "program", constant="any")  # its parameters are unknown
         if program is None or not program.external_subroutine:
             return Symbol(name, "program")
         parameters = tuple((self.type_of(each.type), each.by_value) for each in program.main.parameters)
@@ -178,7 +178,7 @@ class Naming:
         self._names.faults.warning("program-missing", at, f"program {name} is not there", hint)
 
     def started(self, name: str, at: Position) -> None:
-        """START of a program; what is declared was looked at there."""
+        """Check START of a program; a declared one was checked at its declaration."""
         program = self._programs(name) if name != self._program else None
         if program is None and name != self._program and self._names.find(name) is None:
             self._missing(name, at)

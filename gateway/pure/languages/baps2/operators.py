@@ -15,7 +15,7 @@ CHECKED = "(t if -2147483648 <= (t := {}) <= 2147483647 else overflow())"
 
 
 class Report(Protocol):
-    """Reports a fault; gives the type NONE."""
+    """Reports a fault; returns the type NONE."""
 
     def __call__(self, id: str, at: Position, text: str) -> Typed:
         """One fault."""

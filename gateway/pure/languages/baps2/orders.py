@@ -14,7 +14,7 @@ from gateway.pure.languages.base.source import Position
 
 
 class OrderReader:
-    """`called` takes the name of a file or a device."""
+    """`called` receives the name of a file or a device."""
 
     def __init__(
         self,
@@ -33,7 +33,7 @@ class OrderReader:
         return {"READ": self._read, "WRITE": self._write, **files, "ASSIGN": self._assign}
 
     def _device(self) -> str:
-        """A device or file, behind which a comma follows."""
+        """Read a device or file and the comma after it."""
         token, following = self._stream.token, self._stream.ahead()
         known = token.key in DEVICES or token.key in self._declarations.files
         if token.kind is Kind.NAME and known and following.text == ",":

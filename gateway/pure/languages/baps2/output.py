@@ -10,7 +10,7 @@ from gateway.pure.languages.baps2.typed import Typed
 from gateway.pure.languages.baps2.types import Type
 from gateway.pure.languages.baps2.typing import Typing
 
-LONG_ROW, MOST_BRACKETS = 1_000, 190  # Python takes 200 brackets
+LONG_ROW, MOST_BRACKETS = 1_000, 190  # Python allows 200 brackets
 
 
 @dataclass(slots=True)
@@ -26,7 +26,7 @@ class Lines:
         self.rows.append("    " * self.indent + text)
 
     def too_deep(self) -> bool:
-        """Whether a row since the last look has more brackets one in the other than Python takes."""
+        """Return whether a row since the last look nests more brackets than Python allows."""
         first, self.looked_at = self.looked_at, len(self.rows)
         if first == self.looked_at:
             return False
@@ -79,7 +79,7 @@ class Writer(Protocol):
         """A Python name that nothing else has."""
 
     def turn(self, statements: int) -> None:
-        """Counts statements and gives up the processor where the budget is used."""
+        """Count statements and yield the processor when the budget is used up."""
 
     def target(self, tree: Expression) -> Typed:
         """What is set; the value is not read, so nothing is asked."""

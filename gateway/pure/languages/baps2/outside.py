@@ -50,7 +50,7 @@ class Outside:
     # ---- devices
 
     def _device(self, task: Task, name: str) -> Device | None:
-        """The device; None where there is no interface and the program goes on (SER_IO_STOP -)."""
+        """Return the device; None where there is no interface and the program continues (SER_IO_STOP -)."""
         device = self._machine.devices.get(name)
         if device is None:
             self._device_fault(task, name, NO_INTERFACE, fault(212, f"{name} has no interface"))

@@ -17,7 +17,7 @@ class Plant(ABC):
 
     @abstractmethod
     def _moves_on(self, task: Task, block: Block) -> bool:
-        """Begins or goes on with a block; True: it is over."""
+        """Begin or continue a block; True: it is over."""
 
     @abstractmethod
     def _halted(self, task: Task, lane: Lane) -> None:
@@ -60,12 +60,12 @@ class Plant(ABC):
         """Joints of a kinematic now."""
 
     def with_belts(self, unit: Unit, kinematic: str) -> tuple[float, ...]:
-        """Joints, and behind them the counters of belts."""
+        """Return joints, followed by the counters of belts."""
         return self.where(kinematic)
 
     @abstractmethod
     def measuring_system(self, unit: Unit, number: int) -> float:
-        """What a measuring system reads; a runtime error where there is no such."""
+        """Return the value of a measuring system.  Raise a runtime error for an unknown one."""
 
     def actual(self, kinematic: str) -> tuple[float, ...]:
         """Without a lag, unless drives report it."""

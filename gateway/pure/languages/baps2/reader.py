@@ -1,4 +1,4 @@
-"""Reads a whole source: head, declarations, main part, subroutines.  All faults of the file in one run, never an exception."""
+"""Reads a complete source: head, declarations, main part, subroutines.  All faults of the file in one run, never an exception."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -71,7 +71,7 @@ class _Reader:
         return passed
 
     def _no_declaration(self) -> bool:
-        """Anything else among the declarations is reported; reading goes on with the next one.  False: the body begins."""
+        """Report anything else among the declarations and continue at the next one.  False: the body begins."""
         token = self._stream.token
         left = 0 if token.word in BEGINS else self._open_begin()
         if not left:
@@ -87,7 +87,7 @@ class _Reader:
         return True
 
     def _open_begin(self) -> int:
-        """Tokens in front of the BEGIN of the routine: the one that no END closes; 0: there is none."""
+        """Return the number of tokens before the BEGIN of the routine, the one that no END closes; 0: there is none."""
         opened: list[int] = []
         place = 0
         while (token := self._stream.ahead(place)).kind is not Kind.END and token.word not in ROUTINE_ENDS:
@@ -99,7 +99,7 @@ class _Reader:
         return opened[0] if opened else 0
 
     def _more(self) -> bool:
-        """Whether another routine follows; anything else behind an end is reported once."""
+        """Return whether another routine follows; report anything else after an end once."""
         self._instructions()
         token = self._stream.token
         if self._nameless():

@@ -16,12 +16,12 @@ MOST_REPAIRS = 3  # of one program
 MOST_NAMES = 4  # that are tried in one place
 MOST_GAPS = 12  # between which a bracket may be missing
 MOST_OPEN = 8  # opening brackets of one statement that are looked at, the innermost
-MOST_BEHIND = 200  # tokens behind an opening bracket
+MOST_BEHIND = 200  # tokens after an opening bracket
 MOST_PLACES = 1_000  # of one kind that are compared
 PAIRS = {")": "(", "]": "["}
 CLOSING = {"(": ")", "[": "]"}
 STATEMENTS = (CLOSERS | WITH_OPERAND | {"BEGIN", "PARALLEL", "HALT", "BREAK", "SPC_FCT", "CONST"}) - {"STOP", "START"}
-BEHIND = ("TO", "VIA", "THEN", "AND", "OR", "MAX_TIME", "ERROR", "TIMES", "EQUAL")  # what is in brackets ends in front of these
+BEHIND = ("TO", "VIA", "THEN", "AND", "OR", "MAX_TIME", "ERROR", "TIMES", "EQUAL")  # the content of brackets ends before these
 OPERANDS = (Kind.NAME, Kind.NUMBER, Kind.TEXT)
 BEGINS = ("BEGIN", "START")
 NAMED_BY = ("PROGRAM", "SUBROUTINE")  # a name follows
@@ -106,7 +106,7 @@ def _parameters(tokens: Sequence[Token], place: int, lines: Collection[tuple[str
 
 
 def _sign(sign: str, place: int, tokens: Sequence[Token]) -> Repair:
-    """An opening bracket that is missing in front of the token there."""
+    """Return the repair of a missing opening bracket before the token there."""
     return Repair(place, Token(Kind.SIGN, sign, tokens[place - 1].end), f"'{sign}' is missing in front of {tokens[place]}")
 
 
@@ -146,7 +146,7 @@ def _unlikely(before: Token, behind: Token) -> int:
 
 
 def _closers(tokens: Sequence[Token], opened: Sequence[int], end: int) -> Iterator[Repair]:
-    """Where the closing bracket of an open one may be missing, in front of what begins at `end`."""
+    """Yield where the closing bracket of an open one may be missing, before the construct that begins at `end`."""
     for place in reversed(opened[-MOST_OPEN:]):
         sign, depth, gaps = CLOSING[tokens[place].text], 0, list[int]()
         for at in range(place + 2, min(end, place + MOST_BEHIND) + 1):
@@ -201,7 +201,7 @@ def _names(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
 
 
 def _kinematics(instruction: str) -> list[str]:
-    """The names that an instruction gives to kinematics."""
+    """Return the names that an instruction assigns to kinematics."""
     return _NUMBERED.findall(instruction) if "KINEMATI" in instruction.upper() else []
 
 
@@ -249,7 +249,7 @@ def _lacks_name(tokens: Sequence[Token], place: int) -> bool:
 
 
 def _declares(tokens: Sequence[Token], place: int) -> bool:
-    """Whether this colon, comma or = is one of a declaration: a type is in front of its list."""
+    """Return whether this colon, comma or = belongs to a declaration: a type precedes its list."""
     for at in range(place, max(place - 200, -1), -1):
         if tokens[at].word:
             return tokens[at].word in STARTERS

@@ -56,7 +56,7 @@ class CellRobot:
         return RHO3.values(self.machine.forward(self._si(joints)))
 
     def _places(self) -> tuple[int, ...]:
-        """Where the components of the arm stand among x y z a b c; a runtime error for arms that have no such rule."""
+        """Return where the components of the arm are among x y z a b c.  Raise a runtime error for arms without such a rule."""
         arm = self.machine.arm
         if arm <= 3:
             return (0, 1, 2)[:arm]
@@ -65,14 +65,14 @@ class CellRobot:
         return (0, 1, 2, *ORIENTED[arm])
 
     def world(self, joints: Sequence[float]) -> tuple[float, ...]:
-        """World coordinates of joints; those of additional axes behind them."""
+        """Return world coordinates of joints, followed by the additional axes."""
         if self.plain:
             return tuple(joints)
         six = self.six(joints)
         return (*(six[place] for place in self._places()), *joints[self.machine.arm :])
 
     def filled(self, world: Sequence[float], near: Sequence[float]) -> tuple[float, ...]:
-        """x y z a b c of a point: what it does not say stays as it is where the axes are at `near`."""
+        """Return x y z a b c of a point; components that it omits keep their value at the joints `near`."""
         six = list(self.six(near))
         for place, value in zip(self._places(), world, strict=False):
             six[place] = value

@@ -1,4 +1,4 @@
-"""The names of a program: what each is, how a translated program reads, sets and passes it."""
+"""The names of a program: meaning of each, and how a translated program reads, sets and passes it."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field

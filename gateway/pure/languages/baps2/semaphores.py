@@ -36,7 +36,7 @@ class Semaphores:
         return None
 
     def end(self, task: Task, semaphore: tuple[str, str], processes: Iterable[Task]) -> None:
-        """EXCLUSIVE_END of the outermost part: behind the blocks that were prepared in it; at once where none is left."""
+        """EXCLUSIVE_END of the outermost part: after the blocks that were prepared in it; at once where none is left."""
         parts = task.entered[semaphore]
         before = parts.pop()
         if parts:

@@ -17,7 +17,7 @@ STRANGERS = {  # those that BAPS2 has no word for: the remedy
 }
 REMEDIES = {word: remedy for remedy, words in STRANGERS.items() for word in words}
 WHOLE_LINES = [word for remedy, words in STRANGERS.items() if remedy.startswith("BAPS2 has no") for word in words]
-IN_FRONT = ("CALL", "GOSUB")  # what follows is a statement of its own
+IN_FRONT = ("CALL", "GOSUB")  # a separate statement follows
 
 
 def meant(text: str, words: Words, tokens: Collection[str], language: str) -> str:

@@ -1,4 +1,4 @@
-"""Reads statements.  A name in front of `=`, `.` or `[` is assigned to, in front of `:` it is a label, else it is called."""
+"""Reads statements.  A name before `=`, `.` or `[` is assigned to, before `:` it is a label, otherwise it is called."""
 
 from collections.abc import Callable, Collection
 
@@ -46,7 +46,7 @@ ROUTINE_ENDS = frozenset("PROGRAM_END SUB_END SUBROUTINE PROGRAM".split())
 
 
 class StatementReader:
-    """Reads from a stream, with what the head and the declarations said."""
+    """Reads from a stream, using the head and the declarations."""
 
     def __init__(self, stream: Stream, expressions: ExpressionReader, declarations: DeclarationReader, head: Head) -> None:
         self._stream, self._expressions, self._declarations, self._head = stream, expressions, declarations, head
@@ -176,7 +176,7 @@ class StatementReader:
         return self._stream.name(what).key
 
     def _kinematic(self) -> str:
-        """A kinematic in front of something else."""
+        """Read a kinematic before another token."""
         token = self._stream.token
         if token.kind is Kind.NAME and token.key in self._head.kinematics and self._stream.ahead().text != ".":
             return self._stream.take().key
@@ -202,7 +202,7 @@ class StatementReader:
         return self._missing.of_condition(at) or found
 
     def _call(self, name: Token) -> CallStatement:
-        """A call, with what cannot follow it: a misspelt word is one mistake, not two."""
+        """Read a call, including tokens that cannot follow it: a misspelt word is one mistake, not two."""
         arguments, token = self._arguments(), self._stream.token
         if self._mistakes.operand(name):
             self._mistakes.pass_over(-1)

@@ -21,7 +21,7 @@ MOST_NESTED = 60  # statements and brackets one in the other
 
 
 class Misread(Exception):
-    """Inside the reader: the fault is reported, the reader goes on behind it."""
+    """Inside the reader: the fault is reported, the reader continues after it."""
 
 
 class Stream:
@@ -41,8 +41,8 @@ class Stream:
         self._last = len(self._tokens) - 1
         self._depth = 0
         self.too_deep = False  # it is reported; constructs are read without their ends from there on
-        self._names: tuple[set[str], set[str]] | None = None  # of subroutines, and behind JUMP
-        self._marked: set[str] | None = None  # names with a colon behind them
+        self._names: tuple[set[str], set[str]] | None = None  # of subroutines, and after JUMP
+        self._marked: set[str] | None = None  # names followed by a colon
         self._labels: set[str] | None = None  # that are words of the language
         self.token = self._tokens[0]  # the token that is next
 
@@ -92,7 +92,7 @@ class Stream:
             raise Misread
 
     def missing(self, what: str, where: str) -> None:
-        """Reports what is not there, at a semicolon in its place, which begins a comment; reading may go on without it."""
+        """Report a missing token, at a semicolon in its place, which begins a comment; reading may continue without it."""
         at, hint = self.gap, ""
         comment, column = self._comment()
         if comment:
@@ -101,7 +101,7 @@ class Stream:
 
     @property
     def gap(self) -> Position:
-        """Where something is missing: in front of the next token, or behind the one that was taken if that ends its line."""
+        """Return the place of a missing token: before the next token, or after the last one read if that ends its line."""
         before = self.ahead(-1)
         same = before.position[:2] == self.token.position[:2] or before.kind is Kind.INSTRUCTION or not self._next
         return self.token.position if same else before.end
@@ -128,7 +128,7 @@ class Stream:
         return (rest, len(row) - len(rest) + 1) if rest.startswith(";") else ("", 0)
 
     def commented(self) -> list[Token]:
-        """Names of a list in the comment behind the token that was taken: the semicolon may be meant as another sign."""
+        """Return names of a list in the comment after the last token read: the semicolon may be meant as another sign."""
         comment, column = self._comment()
         if not comment or _LIST.fullmatch(comment) is None:
             return []
@@ -136,13 +136,13 @@ class Stream:
         return [Token(Kind.NAME, each[0], at._replace(column=column + each.start())) for each in _NAME.finditer(comment)]
 
     def doubled(self, sign: str) -> None:
-        """Takes the same sign once more, right behind the one that was taken, and reports it."""
+        """Read and report the same sign directly after the one just read."""
         if self.is_sign(sign) and self.ahead(-1).touches(self.token):
             self.faults.error("syntax", self.token.position, f"'{sign}{sign}' is not a sign", f"write {sign}")
             self.take()
 
     def comma(self) -> bool:
-        """Takes a comma; a second one right behind it is reported."""
+        """Read a comma; report a second one directly after it."""
         taken = self.sign(",")
         if taken:
             self.doubled(",")
@@ -234,17 +234,17 @@ class Stream:
         return token
 
     def wrong(self, text: str, id: str = "syntax", at: Position | None = None) -> NoReturn:
-        """Reports what is missing, or what is wrong at a place, and leaves the construct."""
+        """Report a missing token or a fault at a place, and leave the construct."""
         if not self.too_deep:
             self.faults.error(id, at or self.gap, text)
         raise Misread
 
     def deeper(self) -> None:
-        """One level deeper; `back` takes it back.  The source may not nest without end."""
+        """Enter one level; `back` leaves it.  The depth of nesting is limited."""
         self._depth += 1
         if self._depth > MOST_NESTED:
             self._depth -= 1
-            if not self.too_deep:  # it is said once; what follows is a consequence
+            if not self.too_deep:  # reported once; further faults are consequences
                 self.faults.error("nesting-too-deep", self.token.position, f"more than {MOST_NESTED} nested levels")
             self.too_deep = True
             raise Misread

@@ -30,7 +30,7 @@ class Block:
     was: bool = False  # the condition a moment ago
     met: bool | None = None
     wanted: Wanted | None = None  # in a cell
-    farther: Wanted | None = None  # what follows where the target is too far for one block of the planner
+    farther: Wanted | None = None  # the remainder of a target too far for one block of the planner
     index: int = 0  # among the blocks of its stretch
     stretch: Stretch | None = None  # it was handed on with
     stops: bool = True  # at its end
@@ -60,7 +60,7 @@ class Release:
 
 @dataclass(slots=True, eq=False)
 class FastWait:
-    """A wait for a high-speed input among the blocks; `delay` behind it in ns; `kinematic`: of the traverse block before it, whose next
+    """A wait for a high-speed input among the blocks; `delay` after it in ns; `kinematic`: of the traverse block before it, whose next
     block it holds (L1621-1631), None: there was none."""
 
     until: Until
@@ -71,7 +71,7 @@ class FastWait:
 
 @dataclass(slots=True, eq=False)
 class Statement:
-    """Statements for the planner between two blocks (in a cell).  `alone`: the axes rest before and behind it, and the program waits;
+    """Statements for the planner between two blocks (in a cell).  `alone`: the axes rest before and after it, and the program waits;
     `dummy`: a block without a way that carries it."""
 
     robot: int
@@ -127,7 +127,9 @@ class Lanes(dict[str, Lane]):
         self.blocks = 0  # prepared so far, on any of them
 
     def on_belts(self, task: "Task", channel: int) -> list[tuple[str, Lane]]:
-        """Those that SYNCHRON_END of this process takes off their belt: its own, on this belt (0: on any), else those of its program."""
+        """Return the kinematics that SYNCHRON_END of this process releases from their belt: its own on this belt (0: on any), else those
+        of its program.
+        """
         found = [(name, lane) for name, lane in self.items() if lane.rider is not None and channel in (0, lane.belt)]
         own = [(name, lane) for name, lane in found if lane.rider is task]
         return own or [(name, lane) for name, lane in found if not lane.ridden_for(task)]

@@ -40,7 +40,7 @@ def age_of(ird: str | None, source: str | None) -> int | None:
 
 
 def next_age(irds: Iterable[str]) -> int:
-    """The age of the next translation, behind those of these IRD files."""
+    """Return the age of the next translation, after those of these IRD files."""
     found = []
     for text in irds:
         try:

@@ -1,4 +1,4 @@
-"""A whole program: checked, and translated to a Python module that makes one running copy of it at a time."""
+"""Check of a complete program, and its translation to a Python module that makes one running copy of it at a time."""
 
 import re
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.process import Body, Process
 from gateway.pure.languages.base.requests import Stopped, Turn
 
-Main = Callable[[Process], Body]  # an external subroutine takes its parameters behind the process
+Main = Callable[[Process], Body]  # an external subroutine has its parameters after the process
 GLOBALS: dict[str, object] = {
     **{name: value for name, value in vars(values).items() if not name.startswith("_")},
     **{name: value for name, value in vars(demands).items() if isinstance(value, type)},
@@ -28,7 +28,7 @@ GLOBALS: dict[str, object] = {
     "Stopped": Stopped,
 }
 LINE = re.compile(r"^( *)p\.line = (\d+)$", re.MULTILINE)  # as bodies.py writes it
-WIDE = re.compile(r"^    (v0_\w+) = ", re.MULTILINE)  # variables of the whole program
+WIDE = re.compile(r"^    (v0_\w+) = ", re.MULTILINE)  # variables of the entire program
 
 
 @dataclass(slots=True)
@@ -46,7 +46,7 @@ class Unit:
     share: Callable[[object, object], None] | None = None
 
     def load(self, faults: Faults, *, watched: bool = False) -> bool:
-        """Makes the functions of the text; False: Python cannot take it (reported).  `watched`: the debugger is asked before each line."""
+        """Make the functions of the text; False: Python cannot compile it (reported).  `watched`: ask the debugger before each line."""
         if watched:
             self.text = _watched(self.text, self.name)
         try:
@@ -66,7 +66,7 @@ class Unit:
 
 
 def _watched(text: str, name: str) -> str:
-    """The debugger is asked before each line whose flag is set; a process that is held shows the variables of the whole program."""
+    """The debugger is asked before each line whose flag is set; a process that is held shows the variables of the entire program."""
     flags = [f"b{number} = True" for number in dict.fromkeys(number for _, number in LINE.findall(text))]
     text = LINE.sub(rf"\g<0>\n\1if b\2 and h.stops(p, {name!r}, \2, globals()): yield Stopped(\2)", "\n".join([*flags, text]))
     body, found, rest = text.partition("    return main\n")
@@ -80,7 +80,7 @@ def _watched(text: str, name: str) -> str:
 
 
 def check(program: Program, faults: Faults, programs: Programs) -> Unit:
-    """Checks a program; the unit can run if there are no errors."""
+    """Check a program; the unit can run if there are no errors."""
     unit = Unit(program.main.name, program)
     try:
         unit.text = _Translation(unit, faults, programs).text()
@@ -106,7 +106,7 @@ class _Translation:
         self._bodies = Bodies(self._names, self._typing, self._head.default_way)
 
     def _ask(self, code: str) -> str:
-        """The Python name of a request that is made once for the whole program."""
+        """Return the Python name of a request that is made once for the entire program."""
         return self._asked.setdefault(code, f"q{len(self._asked)}")
 
     def text(self) -> str:

@@ -310,7 +310,7 @@ class Write:
     at: Position
     device: str
     values: tuple[Expression, ...]
-    open: bool  # `..`: the output goes on with the next WRITE
+    open: bool  # `..`: the output continues with the next WRITE
 
 
 @node
@@ -386,12 +386,12 @@ class Head:
     said: set[str] = field(default_factory=set)  # instructions that may occur once
     faulty: set[str] = field(default_factory=set)  # instructions that are read in part
     over: bool = False  # the main part has been read
-    commented: dict[str, int] = field(default_factory=dict)  # names in a comment right behind declared ones -> line
+    commented: dict[str, int] = field(default_factory=dict)  # names in a comment directly after declared ones -> line
 
 
 @node
 class Program:
-    """A whole source: main part and subroutines."""
+    """A complete source: main part and subroutines."""
 
     head: Head
     main: Routine

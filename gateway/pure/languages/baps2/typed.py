@@ -11,7 +11,7 @@ class Typed:
     type: Type
     code: str
     constant: object = None
-    truth: bool = False  # the text gives True or False, not 1 or 0
+    truth: bool = False  # the text evaluates to True or False, not 1 or 0
 
     @property
     def value(self) -> str:

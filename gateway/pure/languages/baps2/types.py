@@ -47,7 +47,7 @@ class Type:
 
 
 INTEGER, REAL, BINARY, CHAR, TEXT = (Type(base) for base in ("INTEGER", "REAL", "BINARY", "CHAR", "TEXT"))
-FRAME, NONE = Type("WC_FRAME"), Type("")  # NONE: of what is faulty; it fits everything
+FRAME, NONE = Type("WC_FRAME"), Type("")  # NONE: type of faulty parts; it fits everything
 DEFAULTS = {"INTEGER": "0", "REAL": "0.0", "BINARY": "0", "CHAR": "' '", "TEXT": "''"}
 
 
@@ -58,7 +58,7 @@ def default_of(kind: Type) -> str:
 
 
 def fits(target: Type, value: Type, constant: object = None) -> bool:
-    """Whether a value can be assigned.  `constant`: what the value is, where it is known."""
+    """Return whether a value can be assigned.  `constant`: the value, where it is known."""
     if not (target.base and value.base):  # NONE, the type without a base
         return True
     if target.is_array or value.is_array:

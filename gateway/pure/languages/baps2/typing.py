@@ -314,7 +314,7 @@ class Typing:
             return Typed(BINARY, f"({left.code} {tree.sign.lower()} {right.code})", truth=True)
         return self._operators.between(tree, self.of(tree.left), self.of(tree.right))
 
-    # ---- what is set
+    # ---- assignment
 
     def assigned(self, tree: Expression, value: str) -> str:
         """Python statement that sets a variable; "" where it cannot be set (reported)."""
@@ -401,7 +401,7 @@ class Typing:
         return self._no_reference(tree)
 
     def _part(self, tree: Member | Index) -> str:
-        """Python text of a component of a point or a character of a TEXT, by way of the whole."""
+        """Python text of a component of a point or a character of a TEXT, by way of the entire value."""
         kind, whole = self.reference(tree.base)
         if not whole:
             return ""

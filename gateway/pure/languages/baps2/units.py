@@ -1,4 +1,4 @@
-"""Devices of a dry run: what came in is read piece by piece, in the form of the protocol."""
+"""Devices of a dry run: received data is read piece by piece, in the form of the protocol."""
 
 from dataclasses import dataclass, field
 
@@ -14,7 +14,7 @@ class Incomplete(Exception):
 
 @dataclass(slots=True)
 class Device:
-    """One unit.  `pieces`: what has come and is not read, block by block."""
+    """One unit.  `pieces`: received, unread data, block by block."""
 
     feed: UnitFeed
     pieces: list[bytearray] = field(default_factory=list)
@@ -37,7 +37,7 @@ class Device:
         return self.feed.incoming[self._next][0] if self._next < len(self.feed.incoming) else None
 
     def clear(self) -> None:
-        """READ_BEGIN: what has come is dropped."""
+        """READ_BEGIN: drop the received data."""
         self.pieces.clear()
 
     def read(self, base: str, size: int, count: int) -> object:
@@ -52,7 +52,7 @@ class Device:
             raise
 
     def _letters(self, count: int) -> list[str]:
-        """An array of characters: up to the line end, blanks behind it."""
+        """Read an array of characters: up to the line end, filled with blanks."""
         value = str(self._one("TEXT", 0))
         return list(value[:count].ljust(count))
 

@@ -118,7 +118,7 @@ class Shared:
 
 
 def overflow() -> NoReturn:
-    """A result that is no 32-bit integer."""
+    """Raise the error of a result beyond a 32-bit integer."""
     raise fault(208)
 
 
@@ -146,7 +146,7 @@ def divide(a: float, b: float) -> float:
 
 
 def real_overflow() -> NoReturn:
-    """A result that is no 32-bit REAL."""
+    """Raise the error of a result beyond a 32-bit REAL."""
     raise fault(211)
 
 
@@ -212,7 +212,7 @@ def text(value: "str | Array") -> str:
 
 
 def letter(value: str, index: int) -> str:
-    """A character of a TEXT; behind its end there is NUL."""
+    """Return a character of a TEXT; NUL after its end."""
     if not 1 <= index <= TEXT_SIZE:
         raise fault(210, f"{index} is not in 1..{TEXT_SIZE}")
     return value[index - 1] if index <= len(value) else "\0"
@@ -321,5 +321,5 @@ def asc_int(source: object, number: int, index: int, length: int) -> tuple[int, 
 
 
 def numbers_of(values: Iterable[object]) -> tuple[float, ...]:
-    """A point of numbers; a number that is no REAL is a runtime error."""
+    """Return a point of numbers; a number beyond REAL is a runtime error."""
     return tuple(real(value) if isinstance(value, int | float) else component((value,), 0) for value in values)

@@ -1,6 +1,6 @@
-"""Who waits for whom: semaphores, kinematics, branches; processes that wait for each other in a circle (AX-1731).  Pure.
+"""Wait graph: semaphores, kinematics, branches; finds processes that wait for each other in a circle (AX-1731).  Pure.
 
-Two things of a process can be waited for: that it goes on in its program, and that the blocks it has prepared are over.
+A process can be waited for in two ways: until it continues in its program, and until its prepared blocks are over.
 """
 
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,7 @@
-"""Breakpoints and single step, the same for all languages.  A translated program asks `stops` in front of a line that it has to watch.
+"""Breakpoints and single step, the same for all languages.  A translated program calls `stops` before a line that it has to watch.
 
-A program asks only at lines whose flag is set.  The flag of a line where nothing is held is cleared, so that the line costs no call from
-then on; all flags are set again when a breakpoint or a step is.
+A program asks only at lines whose flag is set.  The flag of a line where nothing is held is cleared, so that the line then costs no call;
+all flags are set again when a breakpoint or a step is set.
 """
 
 from collections.abc import Iterable, MutableMapping
@@ -12,7 +12,7 @@ from gateway.pure.languages.base.process import Process, ProcessState
 
 
 class Step(Enum):
-    """How a held process goes on."""
+    """How a held process continues."""
 
     RUN = "run"
     INTO = "into"  # to the next line, in a subroutine too
@@ -45,7 +45,7 @@ class Debugger:
         self._cleared.clear()
 
     def stops(self, process: Process, program: str, line: int, depth: int) -> bool:
-        """Whether the process is to be held in front of this line.  `depth`: calls open."""
+        """Return whether to hold the process before this line.  `depth`: open calls."""
         step, since = self._steps.get(process.number, (Step.RUN, 0))
         if step is Step.INTO or (step is Step.OVER and depth <= since) or (step is Step.OUT and depth < since):
             self._steps.pop(process.number, None)
@@ -53,7 +53,7 @@ class Debugger:
         return line in self.breakpoints.get(program, frozenset())
 
     def go_on(self, process: Process, step: Step, depth: int = 0) -> None:
-        """Lets a held process go on."""
+        """Continue a held process."""
         self._steps.pop(process.number, None)
         if step is not Step.RUN:
             self._steps[process.number] = (step, depth)
@@ -66,6 +66,6 @@ class Debugger:
         self._steps.pop(process.number, None)
 
     def hold(self, process: Process) -> None:
-        """Holds a running process in front of its next line."""
+        """Hold a running process before its next line."""
         self._steps[process.number] = (Step.INTO, 0)
         self._ask_again()

@@ -58,7 +58,7 @@ class Faults:
         self.add(SourceFault(id, position, text, Severity.ERROR, hint))
 
     def spoilt(self, position: Position) -> None:
-        """A token that an error has named is read all the same: what is found at its place from now on is a consequence."""
+        """Mark a token named by an error, which is still read: later faults at its place are consequences."""
         self._spoilt.add(position)
 
     def warning(self, id: str, position: Position, text: str, hint: str = "") -> None:

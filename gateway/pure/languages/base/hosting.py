@@ -1,4 +1,4 @@
-"""What a process that hosts programs in a cell gives a language, and what it asks of it.  No word of one language."""
+"""Interface between a language and the process that hosts its programs in a cell.  Independent of any language."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -169,7 +169,7 @@ class Language(Protocol):
         """It does not any more; an error ends the program."""
 
     def turn(self, now: Ns) -> bool:
-        """All processes go on; True: they would at once."""
+        """Continue all processes; True: they could continue at once."""
 
     def rows(self) -> Sequence[ProcessRow]:
         """The processes."""
@@ -186,13 +186,13 @@ class Programs(Protocol):
         """What runs them."""
 
     def read(self, alive: Callable[[], None]) -> list[str]:
-        """All programs are read and checked before any is started; `alive` is called in between, it may take seconds."""
+        """Read and check all programs before any is started; `alive` is called in between, as this may take seconds."""
 
     def refresh(self, alive: Callable[[], None]) -> list[str] | None:
         """Before a program starts: files that were put there since; None: none was."""
 
     def seen(self, now: Ns) -> Mapping[str, object]:
-        """Of the language's own, for the dashboard: lists by name."""
+        """Return language-specific lists by name, for the dashboard."""
 
     def write_back(self) -> list[str]:
         """What programs have written is on the disk."""

@@ -15,7 +15,7 @@ class LostFiles:
         self._lost[run] = []
 
     def over(self, run: int) -> None:
-        """It has ended; what it wrote last is not on the disk yet.  Runs that programs start themselves are not followed."""
+        """Note the end of a run whose last writes are not on the disk yet.  Runs started by programs are not followed."""
         if run in self._lost:
             self._over.append(run)
 

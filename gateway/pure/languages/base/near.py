@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 SHORT = 7  # letters; longer words may have two slips
 LEAST = 3
 _LOOKS = str.maketrans("OQIL|SBZ", "00111582")
-MOST_HINTS = 100  # faults of one kind behind which a reader looks for no like words any more: a foreign file
+MOST_HINTS = 100  # faults of one kind after which a reader stops searching for similar words: a foreign file
 
 
 def nearest(text: str, words: Iterable[str]) -> str:

@@ -29,7 +29,7 @@ class Stretch:
     places: list[Place] = field(default_factory=list)
     finished: bool = True  # nothing was handed on since the last word that nothing follows
     ended: bool = False
-    whole: bool = False  # a movement that an input ends: alone, and read whole
+    whole: bool = False  # a movement that an input ends: alone, and read completely
     over: bool = False
     passed: int = 0
     fault: RuntimeFault | None = None
@@ -72,7 +72,7 @@ class Path:
         return None
 
     def reference(self, owner: object, program: str, robot: int) -> Stretch | None:
-        """An order that references the robot, and takes no blocks; None: the owner waits its turn, and asks again."""
+        """Return an order that references the robot and accepts no blocks; None: the owner waits its turn and asks again."""
         if owner not in self._waiting:
             self._waiting.append(owner)
         if self.now is not None:
@@ -111,13 +111,13 @@ class Path:
         return False
 
     def forget(self, owner: object) -> None:
-        """The owner is gone: what it has is ended, what it waits for is not given."""
+        """Forget an owner that is gone: end its stretch and drop its requests."""
         if owner in self._waiting:
             self._waiting.remove(owner)
         stretch = self.held_by(owner)
         if stretch is not None:
             self.release(owner)
-            stretch.owner = None  # it is over when the cell says so
+            stretch.owner = None  # it is over when the cell reports it
 
     def drop(self) -> None:
         """The source of the orders has restarted and knows none of them: what was passed on ends, and nothing waits."""
@@ -154,7 +154,7 @@ class Path:
             stretch.passed = max(stretch.passed, min(path.passed, stretch.count))
 
     def place_of(self, stretch: Stretch) -> Place | None:
-        """Of the block that failed; None: none did."""
+        """Return the place of the failed block; None: none failed."""
         path = self.port.view.path_of(stretch.robot)
         if path.failed_job != stretch.job or not 0 < path.fault_block <= len(stretch.places):
             return None
@@ -195,7 +195,7 @@ class Paths:
 
     def release(self, owner: object) -> bool:
         """Nothing follows any more; True: the owner has no stretch left."""
-        released = [path.release(owner) for path in self._all]  # each of them, whatever the first says
+        released = [path.release(owner) for path in self._all]  # each of them, whatever the first returns
         return all(released)
 
     def forget(self, owner: object) -> None:

@@ -34,8 +34,8 @@ class ProcessState(Enum):
 class Process:
     """Runs `body`, a generator that yields requests and is resumed with their answers.
 
-    The body keeps `line` (line in front of or in which it is; `file` and `within` as in Place) and `left` (statements it may still run
-    in this turn) up to date.
+    The body keeps `line` (line before or in which it is; `file` and `within` as in Place) and `left` (statements it may still run in this
+    turn) up to date.
     """
 
     number: int
@@ -50,7 +50,7 @@ class Process:
     state: ProcessState = ProcessState.READY
     fault: RuntimeFault | None = None
     waits_for: Request | None = None
-    answer: object = None  # what the body is resumed with
+    answer: object = None  # the value with which the body is resumed
     children: list["Process"] = field(default_factory=list)
     body: Body | None = None
 

@@ -37,7 +37,7 @@ class Await(Request):
 
 @dataclass(frozen=True, slots=True)
 class Stopped(Request):
-    """The debugger holds the process in front of a line."""
+    """The debugger holds the process before a line."""
 
     line: int
 
@@ -50,7 +50,7 @@ PENDING = Pending()
 
 
 class RuntimeFault(Exception):
-    """A program cannot go on.  `code` is the manual's number, or one of axisgate's where the manual has none."""
+    """A program cannot continue.  `code` is the manual's number, or one of axisgate's where the manual has none."""
 
     def __init__(self, code: int, text: str) -> None:
         super().__init__(f"{code} {text}")

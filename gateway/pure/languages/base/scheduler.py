@@ -19,7 +19,7 @@ class Host(Protocol):
         """The answer to a request that was PENDING, or PENDING."""
 
     def ended(self, process: Process, now: Ns) -> None:
-        """The process is over; what it held is to be given back."""
+        """Release the resources of an ended process."""
 
 
 @dataclass(slots=True)
@@ -28,13 +28,13 @@ class Scheduler:
 
     host: Host
     budget: int = 2_000  # statements of a process in a turn
-    rounds: int = 64  # turns of a process in one call of `run`; what is left runs in the next call
+    rounds: int = 64  # turns of a process in one call of `run`; the remainder runs in the next call
     processes: list[Process] = field(default_factory=list)
     debugger: Debugger | None = None  # programs that are watched ask it before each line
     _numbers: int = 0
 
     def start(self, program: str, begin: "Callable[[Process], None]", priority: int = 0, parent: Process | None = None) -> Process:
-        """Adds a process; `begin` gives it its body."""
+        """Add a process; `begin` sets its body."""
         self._numbers += 1
         process = Process(self._numbers, program, priority, parent)
         begin(process)
@@ -61,9 +61,9 @@ class Scheduler:
             self._remove(process, now)
 
     def run(self, now: Ns) -> Ns | None:
-        """Runs all processes until each waits or has used its turns; the next moment at which one is due.
+        """Run all processes until each waits or has used its turns; return the next moment at which one is due.
 
-        `now` itself is returned where a process could go on at once; None where all wait for the host alone.
+        Return `now` itself where a process could continue at once; None where all wait for the host alone.
         """
         busy = False
         for _ in range(self.rounds):

@@ -11,7 +11,7 @@ class ProgramStore(Protocol):
         """All names, sorted."""
 
     def text(self, name: str) -> str | None:
-        """The text; None: there is no such source."""
+        """Return the text; None: unknown source."""
 
     def age(self, name: str) -> int | None:
         """A number that grows with each translation; None: never translated."""

@@ -11,7 +11,7 @@ from gateway.pure.languages.pic.run import Scan, Timers
 from gateway.pure.languages.pic.symbols import Signals, symbols_of
 from gateway.pure.languages.plc.state import TimeError
 
-REPORTED_NS = 100_000_000  # so often it shows life
+REPORTED_NS = 100_000_000  # period of its life reports
 
 
 class Sources(Protocol):
@@ -45,7 +45,7 @@ def read_pic(memory: Sources, name: str, signals: Signals, faults: Faults) -> Pi
 
 
 class CellPic:
-    """`hear` with what the control sends, `turn` once a turn; nothing is scanned before the control has sent the flags."""
+    """Call `hear` with messages of the control, `turn` once a turn; nothing is scanned before the control has sent the flags."""
 
     def __init__(
         self, memory: Sources, name: str, signals: Signals, port: PicPort, timers: Timers, period: int, owned: frozenset[int]

@@ -43,12 +43,12 @@ class Token:
 
     @property
     def end(self) -> Position:
-        """The place right behind it."""
+        """The place directly after it."""
         return self.at._replace(column=self.at.column + len(self.text))
 
 
 def tokens_of(text: str, file: str, faults: Faults) -> list[Token]:
-    """All tokens, END behind them; a character that is none is a fault and left out."""
+    """Return all tokens, END last; any other character is a fault and skipped."""
     found: list[Token] = []
     for number, line in enumerate(text.splitlines(), 1):
         row = _row(line, file, number, faults)

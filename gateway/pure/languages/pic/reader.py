@@ -18,7 +18,7 @@ from gateway.pure.languages.plc.commands import Code, Command, Program, Routine
 
 FIRST = {Area.INPUT: INPUTS, Area.OUTPUT: OUTPUTS, Area.FLAG: FLAGS}
 DEEPEST = 40  # statements or brackets one in the other
-UNKNOWN = Bit(Area.FLAG, 0, 0)  # in the place of what is reported
+UNKNOWN = Bit(Area.FLAG, 0, 0)  # stands in for a reported operand
 END_LABEL = "\0end"  # no name of a program
 
 
@@ -48,7 +48,7 @@ def read_program(text: str, file: str, symbols: Symbols, faults: Faults) -> PicP
 
 @dataclass(slots=True)
 class Reader(TokenReader):
-    """Recursive descent; a fault goes on with the next statement."""
+    """Recursive descent; after a fault reading continues at the next statement."""
 
     symbols: Symbols
     faults: Faults
@@ -73,7 +73,7 @@ class Reader(TokenReader):
     # ---- statements
 
     def read(self) -> None:
-        """The whole program."""
+        """Read the entire program."""
         while self.token.kind is not Kind.END and not self.faults.full:
             before = self._at
             try:
@@ -89,7 +89,7 @@ class Reader(TokenReader):
         self._emit(Code.LABEL, self.token.at.line, name=END_LABEL)
 
     def _recover(self, before: int) -> None:
-        """To the next line, or behind what was refused; a bracket of the list that is closed there is closed."""
+        """Skip to the next line, or past the refused part; a bracket of the list that closes there is closed."""
         self._depth, inner = 0, 0
         if self._at == before:
             self._take()
@@ -143,7 +143,7 @@ class Reader(TokenReader):
         self._emit(Code.LABEL, token.at.line, name=token.word)
 
     def _lacks_if(self, token: Token) -> bool:
-        """Whether a condition and THEN follow in the line without IF, or behind a word that is none; it is reported."""
+        """Return whether a condition and THEN follow in the line without IF, or after another word; report it."""
         place, closed = 0, False
         while (each := self._ahead(place)).kind is not Kind.END and not (each.first and place):
             closed = each.word in words.THEN
@@ -175,7 +175,7 @@ class Reader(TokenReader):
         return True
 
     def _lacks_operator(self, *, then: bool) -> None:
-        """Reports an operand that follows an operand; reading goes on at THEN or in the next line."""
+        """Report an operand that follows an operand; reading continues at THEN or in the next line."""
         token = self.token
         operand = token.kind is Kind.BIT or (token.kind is Kind.NAME and token.word not in words.RESERVED and token.word not in words.LIST)
         if token.first or not operand or self._ahead().text in ("=", ":") or (not then and self._is_label(token)):
@@ -217,7 +217,7 @@ class Reader(TokenReader):
             self._emit(Code.LABEL, line, name=otherwise)
 
     def _test(self) -> Expression:
-        """The condition of an IF; where it is refused, reading goes on at its THEN."""
+        """Read the condition of an IF; if it is refused, reading continues at its THEN."""
         depth = self._depth
         try:
             found = self._expression(compares=True)
@@ -239,7 +239,7 @@ class Reader(TokenReader):
         self._take()
 
     def _go(self, code: Code, line: int) -> None:
-        symbol = self._sign("-")  # behind it any word is a name
+        symbol = self._sign("-")  # after it any word is a name
         if symbol:
             self._take()
         token = self.token
@@ -317,7 +317,7 @@ class Reader(TokenReader):
             raise self._fail("operand", before.end, f"a signal or an address is expected behind {before.text}, not a new line")
 
     def _misspelt_not(self) -> None:
-        """A NOT with a slip in it, in front of an operand: it is reported and passed over."""
+        """Report and skip a misspelt NOT before an operand."""
         token, behind = self.token, self._ahead()
         operand = not behind.first and (
             behind.kind is Kind.BIT or (behind.kind is Kind.NAME and behind.word not in (*words.RESERVED, *words.LIST))
@@ -345,7 +345,7 @@ class Reader(TokenReader):
         except _Wrong:
             if token.kind not in (Kind.NAME, Kind.BIT) or token.word in words.RESERVED or (writes and self._ahead().text != "="):
                 raise
-            bit = UNKNOWN  # reported; the statement is read to its end for the faults behind it
+            bit = UNKNOWN  # reported; the statement is read to its end for further faults
         self._take()
         if writes and bit.area is Area.OUTPUT:
             self.outputs.setdefault(bit.byte, token.at)
@@ -407,7 +407,7 @@ class Reader(TokenReader):
             self._emit(Code.JUMP, line, name=END_LABEL)
 
     def _begins_bracket(self, word: str) -> None:
-        """An operand alone is no instruction, as in BAPS-PIC."""
+        """Refuse an operand alone, which is not an instruction, as in BAPS-PIC."""
         token = self.token
         if token.first or token.kind is Kind.END or token.word in words.LIST or token.text in (")", "="):
             return

@@ -13,7 +13,7 @@ LAYOUT = Layout(SIZE, INPUTS, OUTPUTS, BYTES, (ERROR, 1))
 
 
 class Timers(Protocol):
-    """Timers and counters of the control behind flags."""
+    """Timers and counters of the control, controlled by flags."""
 
     counters: list[int]
     left: list[int]
@@ -51,7 +51,7 @@ class Scan:
         return bytes(self.state.memory[FLAGS : FLAGS + BYTES])
 
     def set_flags(self, first: int, data: bytes) -> None:
-        """From M `first` on; what does not fit is left out."""
+        """Set flags from M `first` on; bytes beyond the last flag are ignored."""
         data = data[: max(0, BYTES - first)]
         self.state.memory[FLAGS + first : FLAGS + first + len(data)] = data
 

@@ -93,7 +93,7 @@ def _bit(place: RcBit) -> Bit:
 
 
 def symbols_of(text: str, file: str, signals: Signals, faults: Faults) -> Symbols:
-    """Lines `NAME = I88.0 ; comment`; the name of a signal may be behind the sign too."""
+    """Lines `NAME = I88.0 ; comment`; the name of a signal may follow the sign too."""
     own: dict[str, Bit] = {}
     known = Symbols(signals, own)
     for number, line in enumerate(text.splitlines(), 1):

@@ -1,4 +1,4 @@
-"""The tokens of a PIC program one after the other."""
+"""The tokens of a PIC program in sequence."""
 
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -13,7 +13,7 @@ class TokenReader:
 
     tokens: list[Token]
     _at: int = field(default=0, init=False, kw_only=True)
-    _colons: set[str] | None = field(default=None, init=False, kw_only=True)  # names in front of a colon
+    _colons: set[str] | None = field(default=None, init=False, kw_only=True)  # names before a colon
 
     @property
     def token(self) -> Token:
@@ -36,7 +36,7 @@ class TokenReader:
         return token
 
     def _gap(self) -> Position:
-        """Where something is missing: in front of the next token, or behind the one that was taken if that ends its line."""
+        """Return the place of a missing token: before the next token, or after the last one read if that ends its line."""
         return self._ahead(-1).end if self._at and self.token.first else self.token.at
 
     def _is(self, spellings: tuple[str, ...]) -> bool:

@@ -113,7 +113,7 @@ class VirtualPic:
         for now in range(0, feed.until, feed.period):
             while waiting and waiting[0].at <= now:
                 self._set(now, waiting.pop(0))
-            before = {**before, Area.FLAG: self._scan.flags}  # what the feed has set is no change by the program
+            before = {**before, Area.FLAG: self._scan.flags}  # flags set by the feed are not changes by the program
             try:
                 self._scan.scan(feed.period if now else 0, bytes(self._inputs), bytes(self._others), self._owned)
             except TimeError as error:

@@ -1,4 +1,4 @@
-"""The words of a PIC program, English and German, and what words of other languages are meant as."""
+"""The words of a PIC program, English and German, and the meaning of words of other languages."""
 
 from gateway.pure.languages.plc.commands import Code
 

@@ -50,7 +50,7 @@ class Cells:
         return self.content(number) != 0
 
     def content(self, number: int) -> int:
-        """The count, or the remaining time in 1/100 s, begun ones as whole ones."""
+        """Return the count, or the remaining time in 1/100 s, rounded up."""
         cell = self._cells[number]
         if cell.kind == COUNTER:
             return cell.count
@@ -97,7 +97,7 @@ class Cells:
         cell.preset = result
 
     def reset(self, number: int, result: bool) -> None:
-        """While the result is 1: the timer is stopped and its state is 0, the counter is 0.  Edges are kept: nothing restarts by itself."""
+        """While the result is 1: the timer is stopped and its state is 0, the counter is 0.  Edges are kept: nothing restarts unasked."""
         if not result:
             return
         cell = self._cells[number]
@@ -115,7 +115,7 @@ class Cells:
         self._cells[:] = found
 
     def _counter(self, number: int, result: bool) -> Cell | None:
-        """The cell as a counter; None: it is a timer's, and a command with the result 0 does not take it over."""
+        """Return the cell as a counter; None: it belongs to a timer, and a command with the result 0 does not take it over."""
         cell = self._cells[number]
         if cell.kind != COUNTER:
             if not result:

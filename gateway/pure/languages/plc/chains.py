@@ -1,4 +1,4 @@
-"""Chains of links as Python expressions, each written in front of the first command that needs its result."""
+"""Chains of links as Python expressions, each written before the first command that needs its result."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ Fresh = bool | None  # None: known when the program runs, in `f`
 
 
 def operand_of(command: Command) -> str:
-    """The expression that reads a bit, true or false as Python takes it."""
+    """Return the expression that reads a bit; Python uses it as true or false."""
     if command.operand is Operand.BIT:
         return f"m[{command.byte}] & {command.mask}"
     return f"{command.operand.value}({command.cell})"
@@ -60,7 +60,7 @@ class Outside:
 
 @dataclass(slots=True)
 class Chain:
-    """The chain at the place the writer has come to.  `expression` is `v` where nothing is left to be worked out."""
+    """The chain at the writer's present place.  `expression` is `v` where nothing is left to evaluate."""
 
     expression: str = "v"
     fresh: Fresh = True
@@ -129,7 +129,7 @@ class Chain:
 
 
 def states_of(routine: Routine, targets: set[str]) -> set[str]:
-    """Labels at which a chain may go on or begin, by the way the program came."""
+    """Return labels at which a chain may continue or begin, depending on the path of the program."""
     unsure: set[str] = set()
     fresh = True
     for command in routine.commands:

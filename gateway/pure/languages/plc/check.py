@@ -21,7 +21,7 @@ def check_programs(sources: Mapping[str, str]) -> Faults:
 
 
 def _with_steps(sources: Mapping[str, str], faults: Faults) -> Faults:
-    """The faults with the number of the step in front of their texts, as the display counts it: the head is step 1."""
+    """Return the faults with the step number before their texts, as the display counts it: the head is step 1."""
     steps = {key_of(name): {line.line: line.step for line in lines_of(text)} for name, text in sources.items()}
     found = Faults()
     for fault in faults:

@@ -251,7 +251,7 @@ class Generated:
         self._step = cast(Step, names[f"r{numbers[program.start]}"])
 
     def scan(self, allowance: int) -> tuple[bool, int, int, int]:
-        """One scan: result, accumulators, what is left of the allowance.  TimeError: it was used up."""
+        """Run one scan; return result, accumulators and the remaining allowance.  Raise TimeError when it is used up."""
         result, accu1, accu2, left = self._step(True, 0, 0, allowance)
         return bool(result), accu1, accu2, left
 

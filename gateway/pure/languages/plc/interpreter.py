@@ -41,7 +41,7 @@ ARITHMETIC: Mapping[Code, Callable[[int, int, int], int]] = {
 
 
 class More(Protocol):
-    """Asked at a jump backwards and at a call once the allowance is used up: commands to go on with, or TimeError."""
+    """Called at a jump backwards and at a call once the allowance is used up: returns further commands, or raises TimeError."""
 
     def __call__(self, routine: str, line: int) -> int: ...
 
@@ -61,7 +61,7 @@ JOINED: Mapping[Code, Callable[[bool, bool], bool]] = {  # the result so far and
     **dict.fromkeys((Code.OR, Code.OR_NOT, Code.OPEN_OR), operator.or_),
     **dict.fromkeys((Code.XOR, Code.XOR_NOT, Code.OPEN_XOR), operator.xor),
 }
-CONDITIONAL: Mapping[Code, tuple[Code, bool]] = {  # what they are when the result is so
+CONDITIONAL: Mapping[Code, tuple[Code, bool]] = {  # the command and the result for which it acts
     Code.JUMP_IF: (Code.JUMP, True),
     Code.JUMP_IF_NOT: (Code.JUMP, False),
     Code.CALL_IF: (Code.CALL, True),
@@ -76,7 +76,7 @@ class Bound(NamedTuple):
     act: Callable[[Command], None]
     command: Command
     leads: bool  # a jump or a call: it may lead elsewhere and asks for allowance
-    ends: bool  # the next link begins a chain behind it
+    ends: bool  # the next link begins a new chain
     byte: int  # of the bit that the test display shows; NO_BIT: its operand is a cell
     mask: int
 
@@ -87,7 +87,7 @@ LEADS = (*JUMPS, *CALLS)
 
 
 class Shown(NamedTuple):
-    """What the test display shows behind a command: state of the operand, result, accumulators."""
+    """Values of the test display after a command: state of the operand, result, accumulators."""
 
     status: bool
     result: bool
@@ -97,7 +97,7 @@ class Shown(NamedTuple):
 
 @dataclass(slots=True)
 class Frame:
-    """A routine that runs: next command, open brackets with the result and the state in front of them."""
+    """A routine that runs: next command, open brackets with the result and the state before them."""
 
     routine: Routine
     at: int = 0
@@ -174,7 +174,7 @@ class Interpreter:
         return Bound(act, command, code in LEADS, code in ENDS_CHAIN, byte, command.mask)
 
     def _linker(self, command: Command) -> Callable[[Command], None]:
-        """Links of bits are what programs are made of."""
+        """Return the function of a link; programs consist mostly of bit links."""
         memory, byte, mask = self.state.memory, command.byte, command.mask
         inverted = command.code in (Code.AND_NOT, Code.OR_NOT, Code.XOR_NOT)
 
@@ -293,7 +293,7 @@ class Interpreter:
         return frame.routine.name, commands[frame.at].line if frame.at < len(commands) else frame.routine.last
 
     def run(self, most: int | None = None) -> bool:
-        """Runs at most so many commands; True: the end of the start routine was reached."""
+        """Run at most `most` commands; True: the end of the start routine was reached."""
         done, frames = 0, self._frames
         while frames:
             frame = frames[-1]
@@ -308,13 +308,13 @@ class Interpreter:
         return True
 
     def _run_frame(self, frame: Frame, bound: list[Bound], most: int, watched: bool) -> int:
-        """Runs one routine up to its end, its next call or so many commands; how many it were."""
+        """Run one routine up to its end, its next call or `most` commands; return the number of commands."""
         frames, memory, seen, status_of = self._frames, self.state.memory, self.seen, self._status
         at, done, paid, size, depth = frame.at, 0, 0, len(bound), len(frames)
         while at < size and done != most and len(frames) == depth:
             first = at
             for act, command, leads, ends, byte, mask in bound[at : at + (AHEAD if most < 0 else min(AHEAD, most - done))]:
-                if leads:  # what asks for allowance, and where an error is named
+                if leads:  # commands that request allowance, and the place of an error
                     frame.at = at + 1
                     self.allowance -= done + frame.at - first - paid
                     paid = done + frame.at - first

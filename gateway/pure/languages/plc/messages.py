@@ -73,7 +73,7 @@ def read_texts(text: str, faults: Faults, name: str = TEXT_PROGRAM) -> Mapping[i
 
 
 def _read_line(line: str) -> Text | str:
-    """The text, or what is wrong."""
+    """Return the text, or the fault."""
     match = TEXT_LINE.match(line)
     if match is None:
         return f"{line[:60]!r} is no text line"

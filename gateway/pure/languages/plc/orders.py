@@ -15,7 +15,7 @@ class OrderFault(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """One order before scan `at`.  `what` is a word or E, M, EA; `bit` None: the whole byte, or an analog input."""
+    """One order before scan `at`.  `what` is a word or E, M, EA; `bit` None: the entire byte, or an analog input."""
 
     at: int
     what: str

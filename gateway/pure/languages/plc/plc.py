@@ -45,7 +45,7 @@ class PlcState(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """`load`: commands a period (IPLC_LOAD), None: a whole scan, 0: the PLC is off; `watchdog`: _ITIME_PLC in 1/100 s."""
+    """`load`: commands a period (IPLC_LOAD), None: a complete scan, 0: the PLC is off; `watchdog`: _ITIME_PLC in 1/100 s."""
 
     load: int | None = None
     watchdog: int = 30
@@ -60,7 +60,7 @@ class Plc:
     settings: Settings = field(default_factory=Settings)
     drives: bool = True
     state: PlcState = PlcState.STOP
-    scans: int = 0  # whole ones
+    scans: int = 0  # complete ones
     data: State = field(default_factory=lambda: State(LAYOUT))
     program: Program | None = None
     shown_message: Message | None = None  # until it is acknowledged
@@ -78,7 +78,7 @@ class Plc:
         self.set_bit(*INITIALISED, True)
 
     def start(self, name: str) -> list[Message]:
-        """Start PLC: translates and takes the copy over.  The messages of a refused start; the program that runs is not touched then."""
+        """Start PLC: translate and adopt the copy.  Return the messages of a refused start, which leaves the running program unchanged."""
         translation = Translation({key: text for key, text in self.sources.items() if key_of(key) != TEXT_PROGRAM})
         program = translation.run(name)
         texts = read_texts(self._text_program(), translation.faults)
@@ -97,7 +97,9 @@ class Plc:
         return to_bytes(self.program)
 
     def start_copy(self, copy: bytes) -> list[Message]:
-        """Starts what `copy` gave; outputs are 0 until its first whole scan.  The message of a copy that cannot run: 7003 or 7004."""
+        """Start a result of `copy`; outputs are 0 until its first complete scan.  Return the message of a copy that cannot run: 7003 or
+        7004.
+        """
         try:
             program = from_bytes(copy)
         except DamagedCopy as damaged:
@@ -119,7 +121,9 @@ class Plc:
         self._outputs = bytes(AREA)
 
     def scan(self, now_ns: int, inputs: bytes) -> bytes:
-        """One period: reads the inputs at the begin of a scan, gives the outputs of the last whole scan.  ValueError: not 40 bytes."""
+        """Run one period: read the inputs at the beginning of a scan, return the outputs of the last complete scan.  ValueError: not 40
+        bytes.
+        """
         if len(inputs) != AREA:
             raise ValueError(f"{len(inputs)} bytes of inputs, {AREA} expected")
         self.data.cells.now = now_ns
@@ -163,7 +167,7 @@ class Plc:
 
     @property
     def outputs(self) -> bytes:
-        """Outputs as the last whole scan put them out; all 0 while the PLC is stopped."""
+        """Outputs of the last complete scan; all 0 while the PLC is stopped."""
         return self._outputs
 
     @property
@@ -232,7 +236,7 @@ class Plc:
         return self._watched, self._copy.get(self._watched, "")
 
     def display(self) -> Mapping[int, Shown]:
-        """State, result and accumulators behind each step of the last scan; a step that is not there was not executed (NOP, red)."""
+        """State, result and accumulators after each step of the last scan; a missing step was not executed (NOP, red)."""
         if self._watched and not self._coincides(self._watched):
             self.watch("")
         if not self._watched or self.program is None or self._interpreter is None:

@@ -91,7 +91,7 @@ def _hint(text: str) -> str:
 
 
 def _intended(line: Line) -> list[Command]:
-    """What a faulty step opens or names all the same: its bracket's end and the jumps to it are no mistakes of their own."""
+    """Return the bracket or label of a faulty step, so that the bracket's end and jumps to the label are not reported as well."""
     if OPENED.match(line.text):
         return [Command(Code.OPEN_AND, line.step), Command(Code.AND, line.step)]
     label = LABEL.match(line.text)

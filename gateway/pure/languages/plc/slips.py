@@ -1,6 +1,6 @@
-"""What a faulty step was meant to be: misread or mistyped digits and words (U EO.0, U E0,0, UE0.0), words of STEP 5; AX-1831.
+"""The intended form of a faulty step: misread or mistyped digits and words (U EO.0, U E0,0, UE0.0), words of STEP 5; AX-1831.
 
-A reading counts only where the control takes it as a step; names of labels and programs are left alone.
+A reading counts only if the control accepts it as a step; names of labels and programs are unchanged.
 """
 
 import re

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from gateway.pure.languages.plc.commands import Code, Command, Operand
 
-INPUTS, OUTPUTS, AREA, SIZE = 1968, 2008, 40, 2048  # binary inputs and outputs lie behind the markers (L2985)
+INPUTS, OUTPUTS, AREA, SIZE = 1968, 2008, 40, 2048  # binary inputs and outputs follow the markers (L2985)
 NAME_LENGTH = 128
 AREAS = {"E": INPUTS, "I": INPUTS, "A": OUTPUTS, "O": OUTPUTS, "M": 0}
 LENGTHS = {"E": AREA, "I": AREA, "A": AREA, "O": AREA, "M": SIZE}
@@ -50,7 +50,7 @@ NO_COMMAND = "No PLC-command"
 
 @dataclass(frozen=True, slots=True)
 class Wrong:
-    """Why a line is no step: the text of the control, or what the operand may be."""
+    """Why a line is not a step: the text of the control, or the allowed operands."""
 
     text: str
     hint: str = ""
@@ -76,7 +76,7 @@ def step_of(text: str, line: int) -> Command | Wrong | None:
 
 
 def _marker_like(text: str) -> bool:
-    """`M 5.0` is no label: an operand without its command."""
+    """Return whether a text is an operand without its command: `M 5.0` is not a label."""
     return re.match(r"M\s*\d+\s*\.\s*\d", text, re.IGNORECASE) is not None
 
 

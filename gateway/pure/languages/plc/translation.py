@@ -41,7 +41,7 @@ def start_in_folder(name: str, folder: str = "S:/PLC") -> str:
 
 @dataclass(slots=True)
 class Translation:
-    """One run over the sources.  `lines` gives the line of a step in its file."""
+    """One run over the sources.  `lines` returns the line of a step in its file."""
 
     sources: Mapping[str, str]
     reader: Reader = read_routine

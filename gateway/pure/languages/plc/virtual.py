@@ -1,4 +1,4 @@
-"""A PLC in virtual time: the same programs and orders give the same events.  Scans count from 0; START comes in front of scan 0."""
+"""A PLC in virtual time: the same programs and orders produce the same events.  Scans count from 0; START comes before scan 0."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ Event = dict[str, object]
 
 @dataclass(slots=True)
 class VirtualRun:
-    """One run: `run` gives events and end."""
+    """One run: `run` returns events and end."""
 
     sources: Mapping[str, str]
     start: str
@@ -118,7 +118,7 @@ class VirtualRun:
         self.events.append({"at": at, "what": what, "value": value, **facts})
 
     def _content(self) -> bytes:
-        """Outputs as put out, then the markers in front of the images."""
+        """Return the present outputs, then the markers before the images."""
         return self.plc.outputs + bytes(self.plc.data.memory[:INPUTS])
 
     def _end(self, scans: int) -> Event:
@@ -144,6 +144,6 @@ class VirtualRun:
 
 
 def _put(byte: int, order: Order) -> int:
-    """The byte with the bit of an order, or its whole value."""
+    """Return the byte with the bit of an order, or its full value."""
     value = int(order.value)
     return value if order.bit is None else byte & ~(1 << order.bit) | value << order.bit

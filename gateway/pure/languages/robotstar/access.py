@@ -165,7 +165,7 @@ def _no_variable(value: Scalar) -> None:
 
 
 def structure(machine: Machine, operand: Operand, kind: str) -> Structure:
-    """A whole structure of one type."""
+    """Return a complete structure of one type."""
     if not isinstance(operand, Ref) or operand.element:
         raise StepFault(WRONG_TYPES)
     if kind == "T" and operand.name == DEFAULT_TOOL and operand.name not in machine.names:
@@ -204,7 +204,7 @@ def text(machine: Machine, operand: Operand) -> Callable[[], str]:
 
 
 def copy(machine: Machine, source: Operand, destination: Operand) -> Callable[[], None]:
-    """COPY: numbers with conversion, texts, whole structures, elements inside their groups."""
+    """COPY: numbers with conversion, texts, complete structures, elements inside their groups."""
     if not isinstance(destination, Ref):
         return lambda: _no_variable(0)
     get, put = scalar(machine, source), writer(machine, destination)

@@ -1,6 +1,6 @@
-"""What a program has run ahead of the robot: positions handed on to the planner or waiting to be, and what acts behind each.  Pure.
+"""Look-ahead of a program: positions handed on to the planner or waiting, and the actions after each.  Pure.
 
-A position is over where its block is: at its end, or in the middle of its corner.  What is written behind a position waits for that.
+A position is over where its block is: at its end, or in the middle of its corner.  Writes after a position wait for that.
 """
 
 import math
@@ -40,7 +40,7 @@ class Block:
 
     @property
     def lasts(self) -> float:
-        """ns it takes, about; one that is approximated is passed at its speed."""
+        """Approximate duration in ns; an approximated position is passed at its speed."""
         if self.go.approximates and self.go.mode == "LINEAR" and self.go.target.pose and self.start.pose:
             return math.dist(self.start.pose[:3], self.go.target.pose[:3]) / self.go.settings["PATH_SPEED"] * 1e9
         return self.go.whole
@@ -83,8 +83,9 @@ class Ahead:
         return bool(self.items)
 
     def room(self) -> bool:
-        """One more may be prepared; of a spline all of it, since each point changes the course before it.  The position under way does not
-        count: the planner must know the short moves behind a long one in time."""
+        """Return whether one more may be prepared; a spline is prepared completely, since each point changes the course before it.  The
+        current position does not count: the planner must know the short moves after a long one in time.
+        """
         blocks = [item for item in self.items if isinstance(item, Block)]
         if blocks and blocks[-1].go.mode == "SPLINE":
             return len(blocks) < MOST
@@ -92,7 +93,7 @@ class Ahead:
 
     @property
     def full(self) -> bool:
-        """A spline is longer than may be prepared and comes to rest there.  Other positions wait until one is over."""
+        """Return whether a spline exceeds the look-ahead and so comes to rest there.  Other positions wait until one is over."""
         last = next((item for item in reversed(self.items) if isinstance(item, Block)), None)
         return last is not None and last.go.mode == "SPLINE" and len(self.items) >= MOST and not self.room()
 
@@ -147,7 +148,7 @@ class Ahead:
 
     # ---- turns
     def look(self, places: tuple[float, ...]) -> None:
-        """Takes off what is over, and acts behind it."""
+        """Remove completed positions and execute the actions after them."""
         first = self.under_way()
         if first is not None and first.stretch is not None and not first.stretch.over:
             self._last = self.arm.own(places)
@@ -160,7 +161,7 @@ class Ahead:
                 item()
 
     def _goes_past(self, via: Via, places: tuple[float, ...]) -> bool:
-        """The tool is behind the auxiliary point, on the circle or on its way out of it."""
+        """Return whether the tool is past the auxiliary point, on the circle or on its way out of it."""
         circle = via.circle
         if circle is None or circle.through is None or circle.stretch is None or circle.stretch.passed < circle.index - 1:
             return False
@@ -184,7 +185,7 @@ class Ahead:
             block.stretch, block.index = stretch, self.path.hand_on(stretch, self._line(stretch, block, places), Place(block.place[1]))
 
     def settle(self) -> None:
-        """Nothing follows for the time being: what was handed on is run to its end.  A circle without its end is not gone to yet."""
+        """Run the positions handed on to their end: nothing follows for the time being.  A circle without its end is not started yet."""
         if self.items and self.items[0] is self._via and self._via.circle is None:
             self.items.popleft()
         if self.path.now is not None:
@@ -234,7 +235,7 @@ class Ahead:
             self.items.append(Block(Go(end, "PTP", 0, tool=tool), self.place(), self.done(), start, text=_back_to(there)))
 
     def left(self, stretch: Stretch) -> None:
-        """The path was left: what is not over is handed on anew from where the axes were, once the program goes on."""
+        """Note that the path was left: uncompleted positions are handed on anew from where the axes were, once the program continues."""
         handed = [item for item in self.items if isinstance(item, Block) and item.stretch is stretch]
         back, place = self._return
         returning = bool(place) and stretch is self._begun and stretch.passed < back

@@ -84,8 +84,9 @@ class Arm:
         return IDENTITY if tool is None else REIS.pose(tool_values(tool))
 
     def text(self, target: Target, near: Target) -> str:
-        """The position as the text form has it; what an arm of fewer than five axes cannot turn, and additional axes the position does not
-        say, are as in `near`.  StepFault where this robot has no such position."""
+        """Return the position in the text form; angles that an arm of fewer than five axes cannot turn, and additional axes that the
+        position omits, are as in `near`.  Raise StepFault where this robot has no such position.
+        """
         if not target.pose:
             return self._joints(target, near)
         if self.plain:

@@ -15,7 +15,7 @@ from gateway.pure.languages.robotstar.path import Target
 from gateway.pure.languages.robotstar.program import Program
 from gateway.pure.languages.robotstar.robot import CYCLE, Message, Mode, Robot, State
 
-BREAKPOINT = "breakpoint"  # how a program stopped in front of a step with one
+BREAKPOINT = "breakpoint"  # how a program stopped before a step with one
 
 
 class NoDrive:
@@ -57,7 +57,7 @@ class CellRobot(Robot):
 
     # ---- orders ----------------------------------------------------------------------------------------------------------
     def select(self, program: Program) -> None:
-        """Chooses a program; what was interrupted is not resumed (L1262)."""
+        """Choose a program; an interrupted one is not resumed (L1262)."""
         self._drop()
         Robot.select(self, program)
 
@@ -87,7 +87,7 @@ class CellRobot(Robot):
         return wrong
 
     def stop(self, now: Ns) -> None:
-        """STOP: on the path; START goes on from there."""
+        """STOP on the path; START continues from there."""
         if self.state in (State.RUNNING, State.WAITING):
             self.how = "stopped"
             self.ahead.rests(self.places())
@@ -151,7 +151,7 @@ class CellRobot(Robot):
             self.state = State.RUNNING
             return self._way(request, now)
         if self.ahead.busy:
-            self.state, self._asked_at = State.RUNNING, now  # the time of a wait goes on where the position is reached
+            self.state, self._asked_at = State.RUNNING, now  # the time of a wait continues where the position is reached
             return now + CYCLE
         return Robot._serve(self, now)
 

@@ -169,7 +169,7 @@ class CellRun:
         return ""
 
     def _leave(self) -> None:
-        """Nothing of what was handed on is run any more."""
+        """Drop everything that was handed on."""
         if not self.path.release(self):
             self.port.send("leave")
 
@@ -180,7 +180,7 @@ class CellRun:
         self.port.send("selected", program=found.key)
 
     def stop_run(self, run: int, now: Ns, error: RuntimeFault | None = None) -> None:
-        """STOP: on the path; START goes on from there.  error: because of one."""
+        """STOP on the path; START continues from there.  error: the cause, if any."""
         self._at(now)
         if run != self.run or not run:
             return
@@ -198,7 +198,7 @@ class CellRun:
         self.run = 0
 
     def file_changed(self, name: str) -> None:
-        """The memory is read as a whole, see `replaced`."""
+        """Ignored: the memory is read as a whole, see `replaced`."""
 
     def hear(self, order: Mapping[str, Fact], now: Ns) -> None:
         """Mode, keys and acknowledgement as the control has them."""
@@ -259,7 +259,7 @@ class CellRun:
             self.port.send("value", name=name, value=value)
 
     def _value(self, name: str) -> Fact:
-        """Of a structure all elements in one text.  Without a program there are no local names."""
+        """Return the value of a name; a structure with all elements in one text.  Without a program there are no local names."""
         if self.machine.frame is None:
             self.machine.names = {**self.machine.system, **self.memory.globals}
         meant = operand(name)
@@ -327,7 +327,7 @@ class CellRun:
         self.world.now = now
 
     def turn(self, now: Ns) -> bool:
-        """The program goes on; True: it would at once."""
+        """Continue the program; True: it could continue at once."""
         self._at(now)
         self.path.look()
         self.ahead.look(self.port.view.set)

@@ -1,6 +1,6 @@
-"""What a program of a running cell sees of it: markers, inputs and outputs of the control, the robot.  Source: robotstar 1.4, 4, 5.6.
+"""A running cell as seen by a program: markers, inputs and outputs of the control, the robot.  Source: robotstar 1.4, 4, 5.6.
 
-What is read waits for the positions before; what is written acts behind them, and is read back at once.
+Reads wait for the previous positions; writes act after them, and are read back at once.
 """
 
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ from gateway.pure.languages.robotstar.path import Target
 from gateway.pure.languages.robotstar.progress import Progress, Reports
 from gateway.pure.languages.robotstar.virtual import ANALOG_INPUTS, ANALOG_OUTPUTS, BASES, SCALE
 
-SHOWN_NS = 50_000_000  # so long what was written is read back, whether the control shows it or not: the PLC may have changed it since
+SHOWN_NS = 50_000_000  # how long a written value is read back whether the control shows it or not: the PLC may have changed it since
 
 
 @dataclass(slots=True)
@@ -97,18 +97,18 @@ class CellWorld:
 
     # ---- writing
     def set_bit(self, area: str, number: int, bit: int, level: bool) -> None:
-        """One bit, behind the position before."""
+        """Set one bit after the previous position."""
         place = BASES[area] + number
         if BASES["INPUT"] <= place < BASES["OUTPUT"]:
             raise StepFault(INPUT_WRITTEN)
         self.ahead.act(lambda: self._set(place, 1 << bit, level << bit))
 
     def set_element(self, area: str, number: int, value: int) -> None:
-        """Four bytes, behind the position before."""
+        """Set four bytes after the previous position."""
         self._put(BASES[area] + number, (value & 0xFFFFFFFF).to_bytes(4, "little"))
 
     def set_analog_output(self, channel: int, volts: float) -> None:
-        """Volts, behind the position before."""
+        """Set volts after the previous position."""
         self._put(ANALOG_OUTPUTS + 2 * (channel - 1), round(volts * SCALE).to_bytes(2, "little", signed=True))
 
     def _put(self, place: int, data: bytes) -> None:

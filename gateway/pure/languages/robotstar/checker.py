@@ -46,7 +46,7 @@ class _Check:
     faults: Faults
     system: Names
     known: dict[str, list[Variable]] = field(default_factory=dict)
-    made: set[str] = field(default_factory=set)  # programs that a TRAFO_6D of this memory makes, callable behind it (L3267-3273)
+    made: set[str] = field(default_factory=set)  # programs that a TRAFO_6D of this memory makes, callable after it (L3267-3273)
     intended: set[str] = field(default_factory=set)  # names that misspelt definitions would define
     lost: dict[str, list[Step]] = field(default_factory=dict)  # names defined nowhere, and the steps of this program with them
     unreached: dict[str, list[Step]] = field(default_factory=dict)  # faults of calls, and the steps of this program with them
@@ -100,7 +100,7 @@ def _destinations(program: Program) -> Iterator[str]:
 
 
 def _intended(program: Program, definitions: Sequence[str]) -> Iterator[str]:
-    """Names in steps that are definitions with a slip: what uses them is no mistake of its own."""
+    """Yield names in misspelt definitions: their uses are not separate mistakes."""
     for step in program.steps:
         if step.valid and step.word in DEFINITIONS and isinstance(name := step.slots.get("name"), Ref):
             yield name.name
@@ -109,7 +109,7 @@ def _intended(program: Program, definitions: Sequence[str]) -> Iterator[str]:
 
 
 def _name_of(operand: Operand) -> str:
-    """The name of a program as the step has it; "" where a string variable gives it."""
+    """Return the name of a program in the step; "" where a string variable holds it."""
     if isinstance(operand, Ref) and operand.name[0] in "S_":
         return ""
     return str(operand.value if isinstance(operand, Text) else getattr(operand, "name", ""))
@@ -161,7 +161,7 @@ def _lost(checking: _Check, program: Program) -> None:
 
 
 def _macro(checking: _Check, program: Program, step: Step) -> int:
-    """Number of a step that calls a macro; 0: a word that nobody knows, which may be a misspelt definition."""
+    """Return the number of a step that calls a macro; 0: an unknown word, which may be a misspelt definition."""
     if checking.memory.find(step.word, program.directory, ("MAC",)) is None:
         text = f"{step.word} is neither a command nor a macro of this memory"
         hint = hint_with(meant(step.word, checking.spellings)) if len(checking.faults) < MOST_HINTS else ""
@@ -295,7 +295,7 @@ def _reference(checking: _Check, ref: Ref, written: bool) -> str:
 
 
 def _whole_array(found: list[Variable], ref: Ref, wrong: str) -> str:
-    """MAUS_KALIB takes an array as it is (L3104)."""
+    """Return the fault of an array for MAUS_KALIB, which accepts a complete one (L3104)."""
     if len(found) != 1 or not isinstance(found[0], Array) or ref.index is not None:
         return NO_ARRAY if len(found) == 1 else wrong
     return ""
@@ -324,7 +324,7 @@ def _element_of(checking: _Check, ref: Ref, array: Array, written: bool) -> str:
 
 
 def _index(found: list[Variable]) -> str:
-    """A fault of the variable that gives an index."""
+    """Return the fault of the variable that holds an index."""
     if not found:
         return INDEX_NOT_FOUND
     if len(found) > 1:

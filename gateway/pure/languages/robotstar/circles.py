@@ -17,7 +17,7 @@ DISPLACED = ("RELATIVE", "PALLET")
 def wrong_circles(program: Program) -> Iterator[tuple[Step, str]]:
     """Steps at which an arc cannot be, and why.  Only what the listing alone shows: no label, call or displacement in between."""
     mode, points = "", [UNKNOWN]  # of the arc that is begun, its start first
-    skips = False  # the next position gives CALC_REL its vector and is not approached
+    skips = False  # the next position supplies the vector of CALC_REL and is not approached
     for step in program.steps:
         if not step.valid:
             continue

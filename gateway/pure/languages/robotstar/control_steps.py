@@ -50,7 +50,7 @@ def bit_test(machine: Machine, step: Step, area: str) -> Callable[[], bool]:
 
 
 def input_of(machine: Machine, step: Step) -> Callable[[], int | None]:
-    """A function that gives the number of an input, byte by byte."""
+    """Return a function that returns the number of an input, byte by byte."""
     byte, bit = whole(machine, step.slots["byte"], 0, 39, "byte"), whole(machine, step.slots["bit"], 0, 7, "bit")
     return lambda: 8 * byte() + bit()
 
@@ -220,7 +220,7 @@ def analog_input(machine: Machine, step: Step, following: int) -> Op:
 
     def op() -> int:
         put(machine.world.analog_input(channel()))
-        machine.effects -= 1  # reading the same again is no change: a loop of it gives its time away
+        machine.effects -= 1  # reading the same again is not a change: a loop of it yields its time
         return following
 
     return op

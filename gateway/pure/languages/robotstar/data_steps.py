@@ -22,7 +22,7 @@ def _then(act: Callable[[], None], following: int) -> Op:
 
 
 def copy_step(machine: Machine, step: Step, following: int) -> Op:
-    """COPY; a scalar variable from a scalar takes the short way."""
+    """COPY; a scalar variable from a scalar uses the short path."""
     source, destination = step.slots["source"], step.slots["destination"]
     general = copy(machine, source, destination)
     if (

@@ -1,4 +1,4 @@
-"""ROBOTstar programs under a debugger, in virtual time: where the program is, what its variables are, how it goes on."""
+"""ROBOTstar programs under a debugger, in virtual time: position, variables and stepping of the program."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Place:
 
 
 class DebugRun:
-    """One program of a memory that can be held in front of any step."""
+    """One program of a memory that can be held before any step."""
 
     def __init__(self, memory: Memory, mode: Mode, plc: Plc | None = None) -> None:
         self.memory = memory
@@ -37,7 +37,7 @@ class DebugRun:
         self.cell.robot.machine.build = self._watched
         self.debugger = Debugger()
         self.process = Process(1, "")
-        self._skips = False  # the step it was held in front of
+        self._skips = False  # the step before which it was held
         self._turns: Iterator[None] = iter(())
 
     @property
@@ -55,7 +55,7 @@ class DebugRun:
         return next(self._turns, self) is None
 
     def resume(self, how: Step) -> None:
-        """Lets the held program go on in this way."""
+        """Continue the held program in this way."""
         self.debugger.go_on(self.process, how, self._depth)
         self._skips = True
 
@@ -64,7 +64,7 @@ class DebugRun:
         self.debugger.hold(self.process)
 
     def lines(self, file: str) -> list[int]:
-        """Lines with a step that is executed; none where the file is no program of the memory."""
+        """Return the lines with a step that is executed; none where the file is not a program of the memory."""
         found = self.program_of(file)
         return sorted(step.line for step in found.steps if executed(found, step.number)) if found is not None else []
 
@@ -86,7 +86,7 @@ class DebugRun:
         return len(self.cell.robot.machine.stack)
 
     def _place(self, frame: Frame, depth: int) -> Place:
-        """A caller is at its call, though it goes on behind it."""
+        """Return the place of a frame; a caller is at its call, though it continues after it."""
         steps, at = frame.program.steps, max(frame.at - 1, 0) if depth else frame.at
         line = steps[min(at, len(steps) - 1)].line if steps else 1
         return Place(frame.program, line, _shown(self.memory.locals.get(frame.program.key, {})), _shown(self.memory.globals))
@@ -112,7 +112,7 @@ class DebugRun:
 
 
 def executed(program: Program, number: int) -> bool:
-    """Whether a step does something when the program comes to it."""
+    """Return whether a step has an effect when the program reaches it."""
     step = program.steps[number - 1]
     return step.valid and (step.macro or (step.word not in HEADS and step.word not in DEFINITIONS and step.word not in ("C", "LABEL", "")))
 

@@ -20,7 +20,7 @@ INPUT_WRITTEN = "an input is not written"
 
 
 class StepFault(RuntimeFault):
-    """A step cannot be executed.  `code` 0: the manual gives no number.  `kind`: the class of the message."""
+    """A step cannot be executed.  `code` 0: the manual prints no number.  `kind`: the class of the message."""
 
     def __init__(self, text: str, code: int = 0, kind: str = "programming") -> None:
         super().__init__(code, text)

@@ -1,7 +1,7 @@
 """The robot moved by hand in a cell: movement keys, Position Control, 6D mouse.  Pure.  Source: robotstar 8.2, 8.4; AX-1050.
 
-It is a user of the path beside the program.  A key gives a straight movement up to where the robot still reaches, which the control stops
-when the key is released: short pieces first, so that it begins at once.  The wheel and the mouse give short movements one by one.
+It is a user of the path in addition to the program.  A key causes a straight movement up to the limit of reach, which the control stops
+when the key is released: short pieces first, so that it begins at once.  The wheel and the mouse cause short single movements.
 """
 
 import math
@@ -24,12 +24,12 @@ LONGEST, STEP = 3000.0, 20.0  # mm a key may lead, and how finely it is looked w
 TURN, TURN_STEP = 180.0, 3.0  # degrees likewise
 SLICE_S, AHEAD = 0.1, 4  # of the mouse: how long a movement lasts, how many are handed on
 STILL_NS: Ns = 60_000_000  # the wheel has come to rest
-WHEEL = 1.0  # mm or degrees the wheel gives at least while it is turned
+WHEEL = 1.0  # least mm or degrees of the wheel while it is turned
 LEAST = 1e-3  # mm or degrees
 ROOM = 0.5  # mm or degrees a key keeps from the travel of an axis
 SMALLEST = 0.01  # share of a way that is tried
 ALIGNED = 5  # mm: pieces of one straight way need no more to follow each other at full speed
-FIRST_S, LONGEST_S, PIECES = 0.2, 1.6, 3  # of a straight way: how long its first and its longest piece take, how many are handed on
+FIRST_S, LONGEST_S, PIECES = 0.2, 1.6, 3  # of a straight way: duration of its first and its longest piece, number of pieces handed on
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,14 +57,14 @@ class Hand:
     say: Callable[[str], None]
     mouse: Mouse = field(default_factory=Mouse)
     wanted: Push = field(default_factory=Push)
-    _run: Push = field(default_factory=Push)  # what the stretch is for
+    _run: Push = field(default_factory=Push)  # purpose of the stretch
     _stretch: Stretch | None = None
     _at: Target = field(default_factory=Target)  # where what was handed on leads
     _given: float = 0.0  # of the wheel
     _added: Ns = 0  # when the wheel gave something last
-    _share: float = 1.0  # of the way a key gives, where the planner has refused the whole of it
+    _share: float = 1.0  # of the way of a key, where the planner has refused the full way
     _led: float = 0.0  # mm or degrees of the straight way that are handed on
-    _piece_s: float = FIRST_S  # how long its next piece takes at the highest speed
+    _piece_s: float = FIRST_S  # duration of its next piece at the highest speed
     _refused: bool = False
 
     def hear(self, push: Push) -> None:
@@ -74,7 +74,7 @@ class Hand:
         self.wanted = push
 
     def look(self, places: Sequence[float], now: Ns) -> None:
-        """Hands on what is wanted."""
+        """Hand on the requested movement."""
         held = self.path.held_by(self)
         same = replace(self.wanted, turned=0.0) == replace(self._run, turned=0.0)
         if not self.wanted.kind or self._refused or (self._stretch is not None and not same):
@@ -172,7 +172,7 @@ class Hand:
             elif step < LEAST:
                 break
             else:
-                step /= 2  # what is left of the last step
+                step /= 2  # remainder of the last step
         self._led = self._led + reached if reached >= end - self._led and end < most else math.inf
         self._piece_s = min(2 * self._piece_s, LONGEST_S)
         if reached > LEAST:
@@ -188,7 +188,7 @@ class Hand:
         self._add(stretch, moved(self._at, frame, ways), places, *pace)
 
     def _moved(self, start: Target, ways: Sequence[float], amount: float) -> Target:
-        length = math.hypot(*ways[:3]) or 1.0  # two keys together are no faster than one
+        length = math.hypot(*ways[:3]) or 1.0  # two keys together are not faster than one
         return moved(start, self.wanted.frame, [way * amount / length for way in ways])
 
     def _add(

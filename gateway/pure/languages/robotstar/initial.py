@@ -1,11 +1,11 @@
-"""SYVARINI: gives system variables their values when the control is switched on.  Source: robotstar 3.6, L1282, L2045, D-13.  Pure."""
+"""SYVARINI: sets system variables when the control is switched on.  Source: robotstar 3.6, L1282, L2045, D-13.  Pure."""
 
 from gateway.pure.languages.robotstar.faults import StepFault
 from gateway.pure.languages.robotstar.machine import Halted, Machine
 from gateway.pure.languages.robotstar.path import PathState
 
 NAME = "SYVARINI"
-MOST = 10_000  # steps: it gives values and ends
+MOST = 10_000  # steps: it sets values and ends
 
 
 def initialise(machine: Machine) -> tuple[str, int, str]:

@@ -11,7 +11,7 @@ _LINE = re.compile(r"([A-Z_][A-Z0-9_ÄÖÜ]*)(?:\[(\d{1,6})\])?(?:\.([A-Za-z0-9]
 
 
 def written(variables: Mapping[str, Variable]) -> str:
-    """The text; constants and what was never written are left out."""
+    """Return the text without constants and variables never written."""
     lines = []
     for name, variable in sorted(variables.items()):
         if not _constant(variable):

@@ -1,4 +1,4 @@
-"""The lines of a printed page as steps: two columns one after the other, broken lines joined, misread step numbers put right."""
+"""The lines of a printed page as steps: two columns in sequence, broken lines joined, misread step numbers corrected."""
 
 import re
 from collections.abc import Callable, Iterable, Sequence
@@ -87,7 +87,7 @@ def _one_column(lines: Iterable[Line], note: Note) -> list[Line]:
 
 
 def _follows(two: "re.Match[str]", right: list[Line]) -> bool:
-    """The right column counts on by itself: behind the left one, or from the head of another program on."""
+    """Return whether the right column is numbered on: after the left one, or from the head of another program on."""
     left, own = (int(re.sub(r"\D.*", "", part.strip().lstrip("Ss"))) for part in (two[1], two[2]))
     last = int(re.sub(r"\D.*", "", right[-1][1].strip().lstrip("Ss"))) if right else 0
     headed = _HEADED.match(right[0][1] if right else two[2])
@@ -95,7 +95,7 @@ def _follows(two: "re.Match[str]", right: list[Line]) -> bool:
 
 
 def _continues(before: str, line: str, is_descriptor: Callable[[str], bool], is_command: Callable[[str], bool]) -> bool:
-    """A line without a number behind a step with one that is not complete."""
+    """Return whether a line without a number continues an incomplete step with one."""
     if not _NUMBERED.match(before) or _NUMBERED.match(line) or not line.strip() or line.lstrip().startswith(("|", "`", "*", "#")):
         return False
     words = line.split()

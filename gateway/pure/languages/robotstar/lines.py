@@ -11,7 +11,7 @@ from motion.program.reis import MachineData
 WORDS = {"PTP": "ptp", "LINEAR": "linear", "SPLINE": "spline"}
 TURNING = {"ZIRK_MIN_ORI": "least", "ZIRK_BAHN_ORI": "path"}
 SHARE = MachineData().RAPPR_FACT_MAX * 100
-LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form takes it
+LEAST, MOST = 0.01, 500.0  # % of a speed, as the text form accepts it
 Point = Sequence[float]
 
 
@@ -65,8 +65,9 @@ def _passed(go: Go) -> list[str]:
 
 
 def rest_of_circle(start: Point, via: Point, end: Point, here: Point) -> tuple[float, ...]:
-    """Where an arc that was left at `here` goes through on its way to its end: the auxiliary point where that is still to come, else the
-    middle of what is left.  X Y Z in mm; StepFault where the points make no circle."""
+    """Return the via point of the remainder of an arc left at `here`: the auxiliary point if that is still ahead, else the middle of the
+    remainder.  X Y Z in mm; StepFault where the points make no circle.
+    """
     start, via, end, here = (tuple(point[:3]) for point in (start, via, end, here))
     centre, normal = _centre(start, via, end)
     at, middle, last = _angles(start, via, end, here)
@@ -81,9 +82,9 @@ def rest_of_circle(start: Point, via: Point, end: Point, here: Point) -> tuple[f
 
 
 def past_via(start: Point, via: Point, end: Point, here: Point) -> bool:
-    """Whether `here` is behind the auxiliary point of an arc.  X Y Z in mm; StepFault where the points make no circle."""
+    """Return whether `here` is past the auxiliary point of an arc.  X Y Z in mm; StepFault where the points make no circle."""
     at, middle, last = _angles(*(tuple(point[:3]) for point in (start, via, end, here)))
-    return middle <= at < last + (2 * math.pi - last) / 2  # what is nearer to the start has not left it yet
+    return middle <= at < last + (2 * math.pi - last) / 2  # a point nearer to the start has not left it yet
 
 
 def arc_length(start: Point, via: Point, end: Point) -> float:

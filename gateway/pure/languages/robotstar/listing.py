@@ -1,4 +1,4 @@
-"""Printed listings become programs of a memory; what was repaired or is missing is named by line.  Source: L322-338, L592-606, L4348-4649.
+"""Printed listings become programs of a memory; repaired and missing parts are reported by line.  Source: L322-338, L592-606, L4348-4649.
 
 A listing may be a table with bars, a numbered list, a block of code, with or without step numbers; several programs may follow one
 another, each with its head.
@@ -244,7 +244,7 @@ def _joined(word: str, rest: str, words: Words) -> tuple[str, str]:
 
 
 def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: bool, numbered: bool) -> str:
-    """The word, a misread one put right; "" where a line without a number is no step."""
+    """Return the word, a misread one corrected; "" where a line without a number is not a step."""
     if word.upper() in words.words or (word.startswith("_") and word.isupper()):
         return word
     bare = "".join(sign for sign in unicodedata.normalize("NFKD", word.upper()) if not unicodedata.combining(sign))

@@ -1,5 +1,6 @@
-"""Values printed in a step that no variable of the destination's name takes, whatever program calls this one.  The texts are those the
-step stops with."""
+"""Values in a step that no variable of the destination's name accepts, whatever program calls this one.  The texts are those with which
+the step stops.
+"""
 
 from collections.abc import Callable, Sequence
 
@@ -15,7 +16,7 @@ LOGIC = ("AND", "OR", "EXCL_OR")
 
 
 def wrong_literal(step: Step, found: Callable[[Ref], Sequence[Variable]]) -> str:
-    """Of COPY: too long a text, a number outside the range of a system variable."""
+    """Return the fault of COPY: too long a text, a number outside the range of a system variable."""
     value, destination = step.slots.get("source"), step.slots.get("destination")
     if step.word != "COPY" or not isinstance(value, Number | Text) or not isinstance(destination, Ref) or destination.element:
         return ""

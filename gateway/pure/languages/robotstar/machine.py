@@ -21,7 +21,7 @@ Op: TypeAlias = Callable[[], int]
 DEEPEST = 12  # calls of SPR and MAC in one another (L213)
 LOOK = -1
 OUTPUT_MARKERS = 2008  # M2008 to M2047 are the outputs (L2986)
-OWN_RETURN = 4017  # END of a sub-program that nobody called (L211)
+OWN_RETURN = 4017  # END of a sub-program that was not called (L211)
 
 
 class Surroundings(Protocol):
@@ -52,7 +52,7 @@ class Surroundings(Protocol):
         """Where it is once all positions that were asked for are reached."""
 
     def based(self, target: Target) -> Target:
-        """A position in the basic system; StepFault: there is no station with its frame."""
+        """Return a position in the basic system.  Raise StepFault without a station with its frame."""
 
     def seen_from(self, frame: int, target: Target) -> Target:
         """A position of the basic system in a station's frame."""
@@ -71,7 +71,7 @@ class Wait(Request):
 
 @dataclass(frozen=True, slots=True)
 class BitWait(Request):
-    """WAIT_BIT: until `test` holds; after `left` ns (None: for ever) on at `late`.  `keys`: F1 and F2 give the level.  `input`: its
+    """WAIT_BIT: until `test` holds; after `left` ns (None: for ever) on at `late`.  `keys`: F1 and F2 set the level.  `input`: its
     number, None for other bits."""
 
     test: Callable[[], bool]
@@ -89,7 +89,7 @@ class BitWait(Request):
 
 @dataclass(frozen=True, slots=True)
 class KeyTest(Request):
-    """TEST_BIT on a simulated input: F1 and F2 give the level; on at `branch` where it is `level`."""
+    """TEST_BIT on a simulated input: F1 and F2 set the level; on at `branch` where it is `level`."""
 
     level: bool
     branch: int
@@ -97,7 +97,7 @@ class KeyTest(Request):
 
 @dataclass(frozen=True, slots=True)
 class Go(Request):
-    """A position: it takes `whole` ns in virtual time.  settings: parameters of the path as they are at this step; auxiliary: first point
+    """A position: it lasts `whole` ns in virtual time.  settings: parameters of the path as they are at this step; auxiliary: first point
     of a circle; approximates: its end may be rounded."""
 
     target: Target
@@ -126,7 +126,7 @@ class Halted(Exception):
 
 
 class AtBreakpoint(Halted):
-    """It stops in front of a step with a breakpoint."""
+    """The program stops before a step with a breakpoint."""
 
 
 @dataclass(slots=True)
@@ -144,14 +144,14 @@ class Machine:
     path: PathState = field(default_factory=PathState)
     mouse: Mouse = field(default_factory=Mouse)
     tool: Structure | None = None
-    repeats: bool = True  # END of a main program goes on at step 1 (AUTO)
+    repeats: bool = True  # END of a main program continues at step 1 (AUTO)
     returns: bool = True  # END of a main program goes to step 1 at all (not in Test 5)
     simulated: bool = False  # inputs come from F1 and F2, outputs are not switched
     executer: bool = False  # Test 5
     effects: int = 0
     polled: tuple[Frame | None, int, int] = (None, 0, -1)  # frame, step and effects at the last jump back
     idle: bool = False
-    breaks: dict[str, frozenset[int]] = field(default_factory=dict)  # key of a program -> steps it stops in front of, from 0
+    breaks: dict[str, frozenset[int]] = field(default_factory=dict)  # key of a program -> steps before which it stops, from 0
     stops: dict[str, frozenset[int]] = field(default_factory=dict)  # the same by numbers of the steps, head included
     passes: bool = False  # START: the breakpoint in force is passed once
     _built: dict[str, tuple[int, list[Op]]] = field(default_factory=dict)
@@ -165,7 +165,7 @@ class Machine:
 
     # ---- programs --------------------------------------------------------------------------------------------------------
     def select(self, program: Program) -> None:
-        """The operator's choice: nothing of what ran before is left but parameters' defaults."""
+        """Select a program, as chosen by the operator: only default values of parameters remain from previous ones."""
         self.stack, self.request = [], None
         self.path, self.tool = PathState(self.path.defaults), None
         self._push(program, "main")
@@ -191,7 +191,7 @@ class Machine:
         self._push(found, "main")
 
     def call(self, name: str, kinds: tuple[str, ...], back: int) -> None:
-        """CALL or a macro; goes on at step index `back` afterwards."""
+        """CALL or a macro; continues at step index `back` afterwards."""
         assert self.frame is not None
         found = self.memory.find(name, self.frame.program.directory, kinds) or self.memory.find(name, self.frame.program.directory)
         if found is None:
@@ -244,7 +244,7 @@ class Machine:
         return ops
 
     def set_breaks(self, program: Program, steps: frozenset[int]) -> None:
-        """Breakpoints of a program, by the numbers of its steps: it stops in front of them as STOP does."""
+        """Set breakpoints of a program, by the numbers of its steps: it stops before them as by STOP."""
         self.stops[program.key] = steps
         self.breaks[program.key] = frozenset(step.number - 1 for step in program.steps[1:] if step.number in steps)
         self._built.pop(program.key, None)
@@ -291,7 +291,7 @@ class Machine:
 
     # ---- steps -----------------------------------------------------------------------------------------------------------
     def run(self, budget: int) -> int:
-        """Runs up to `budget` steps, until a request or an end; what is left of the budget.  StepFault, Halted: `frame.at` is the step."""
+        """Run up to `budget` steps, until a request or an end; return the remaining budget.  StepFault, Halted: `frame.at` is the step."""
         while budget > 0 and self.request is None and not self.idle:
             frame = self.frame
             assert frame is not None
@@ -312,7 +312,7 @@ class Machine:
         return budget
 
     def jump(self, here: int, target: int) -> int:
-        """A branch that is taken.  A loop that changes nothing gives its time away until the next cycle."""
+        """Take a branch.  A loop that changes nothing yields its time until the next cycle."""
         if target <= here:
             mark = (self.frame, here, self.effects)
             if mark == self.polled:
@@ -323,7 +323,7 @@ class Machine:
         return target
 
     def ask(self, request: Request, following: int) -> int:
-        """Waits for a request; goes on at `following`."""
+        """Wait for a request; continue at `following`."""
         assert self.frame is not None
         self.request = request
         self._following = following

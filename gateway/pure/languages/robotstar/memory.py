@@ -57,7 +57,7 @@ class Memory:
 
     @classmethod
     def read(cls, sources: Iterable[Source], words: Words, faults: Faults) -> "Memory":
-        """Reads all sources; what cannot be read is in `faults`."""
+        """Read all sources; unreadable parts are in `faults`."""
         memory = cls(words)
         with uncollected():
             for source in sources:
@@ -109,7 +109,7 @@ class Memory:
                 faults.error("rsv.definition", place, text, also_at(step.number for step in steps[1:]))
 
     def remove(self, program: Program) -> None:
-        """Deletes a program and what it defines; StepFault where it is protected."""
+        """Delete a program and its definitions.  Raise StepFault where it is protected."""
         if DELETE in program.locked:
             raise StepFault(f"program {program.name} is protected against deletion")
         self.version += 1
@@ -171,7 +171,7 @@ class Memory:
             self.owners[name.name] = program
 
     def kind_of(self, name: str) -> str:
-        """The type of a name: its first letter; "" where that is no type (L764-771)."""
+        """Return the type of a name: its first letter; "" where that is not a type (L764-771)."""
         if name in self.words.integers:
             return "I"
         return name[0] if name[0] in "IRVPTS" else ""

@@ -71,7 +71,7 @@ def shift_of(vector: Structure) -> Target:
 
 
 def position(machine: Machine, step: Step, following: int) -> Op:
-    """POSITION or VAR_POS: goes there with the present settings, or gives CALC_REL its vector."""
+    """POSITION or VAR_POS: move there with the present settings, or supply the vector of CALC_REL."""
     slots = dict(step.slots)
     source = slots.get("variable" if step.word == "POSITION" else "position")
     fixed = None if source is not None and "X" not in slots else target_of(slots, machine)
@@ -126,7 +126,7 @@ def _give_relation(machine: Machine, programmed: Target) -> None:
 
 
 def calc_rel(machine: Machine, step: Step, following: int) -> Op:
-    """CALC_REL: the next position gives the vector."""
+    """CALC_REL: the next position supplies the vector."""
 
     def act() -> None:
         vector = structure(machine, step.slots["vector"], "V")

@@ -21,7 +21,7 @@ class MouseData:
     maxima: tuple[float, ...] = (520, 400, 440, 520, 400, 450)
 
     def shares(self, raw: Sequence[float]) -> tuple[float, ...]:
-        """Of the highest hand speed, by coordinate: 0 in the dead zone, never more than 1."""
+        """Return shares of the highest hand speed, by coordinate: 0 in the dead zone, at most 1."""
         return tuple(
             0.0 if abs(value) < self.minimum else min(max(value / most, -1.0), 1.0) for value, most in zip(raw, self.maxima, strict=True)
         )

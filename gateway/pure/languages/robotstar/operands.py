@@ -38,7 +38,7 @@ class Ref:
 
 @dataclass(frozen=True, slots=True)
 class Equate:
-    """#NAME; relations and conditions as written behind the #."""
+    """#NAME; relations and conditions as written after the #."""
 
     name: str
 
@@ -54,7 +54,7 @@ Operand: TypeAlias = Number | Text | Ref | Equate | Blank
 
 
 class OperandFault(ValueError):
-    """The text is no operand.  `hint`: the remedy."""
+    """The text is not an operand.  `hint`: the remedy."""
 
     def __init__(self, text: str, hint: str = "") -> None:
         super().__init__(text)
@@ -152,7 +152,7 @@ def _reference(text: str) -> Ref:
 
 
 def _index(text: str) -> tuple[int | str, str]:
-    """The index and what follows it; the texts of faults are COPY's."""
+    """Return the index and the text after it; the texts of faults are COPY's."""
     inner, closed, rest = text[1:].partition("]")
     if "[" in inner and text.startswith("[") and re.match(r"\s*\w+\s*\[", inner):
         raise OperandFault(NESTED)

@@ -1,7 +1,7 @@
 """PALLET: pattern programs, offsets, counters.  Source: robotstar 7 (L4242-4649), doubts D-30..D-32.
 
-#ON takes the offset from the counters as they are, then counts (the first direction fastest).  A direction of no part or one counts
-as one and has no delta; behind the last part the slowest counter goes on.
+#ON computes the offset from the present counters, then counts (the first direction fastest).  A direction of no part or one counts
+as one and has no delta; after the last part the slowest counter continues.
 """
 
 import math
@@ -62,7 +62,7 @@ FRONT = "IIIIVVVIII"  # total, three actual values, three vectors, three part co
 
 
 class PatternFault(StepFault):
-    """A pattern program does not keep to the format.  `step`: the one that holds the mistake, or in front of which a step is missing."""
+    """A pattern program does not keep to the format.  `step`: the one that holds the mistake, or before which a step is missing."""
 
     def __init__(self, program: Program, step: Step, text: str) -> None:
         super().__init__(f"pallet program {program.name}: syntax error: step {step.number}: {text}")
@@ -107,7 +107,7 @@ def _places(program: Program, steps: Sequence[Step]) -> tuple[Step, ...]:
 
 
 def _front(program: Program, front: Sequence[Step], tool: Step, kind_of: Callable[[str], str]) -> None:
-    """The definitions in front of TOOL."""
+    """Check the definitions before TOOL."""
     kinds = "".join(kind_of(_name(step)) for step in front)
     if kinds not in (FRONT, f"{FRONT}PPPP"):
         text = f"four integers, three vectors, three part counts and no or four position variables are needed, not {kinds}"
@@ -129,7 +129,7 @@ def _whole(program: Program, text: str) -> StepFault:
 
 
 def _position_variable(step: Step) -> str:
-    """The variable that gives a position of the pattern; "" for programmed values."""
+    """Return the variable that holds a position of the pattern; "" for programmed values."""
     source = step.slots.get("position" if step.word == "VAR_POS" else "variable")
     return source.name if isinstance(source, Ref) and "X" not in step.slots else ""
 
@@ -162,7 +162,7 @@ def _init(machine: Machine, pattern: Pattern, names: Names) -> None:
 
 
 def _write_delta(names: Names, name: str, first: Target, corner: Target, count: int, length: float | None) -> None:
-    """The way from one part to the next; with `length` the corner gives the direction alone."""
+    """Set the way from one part to the next; with `length` the corner only defines the direction."""
     vector = names.get(name)
     if not isinstance(vector, Structure):
         raise StepFault(WRONG_TYPES)
@@ -180,7 +180,7 @@ def _write_delta(names: Names, name: str, first: Target, corner: Target, count: 
 
 
 def _on(machine: Machine, pattern: Pattern, names: Names) -> None:
-    """The offset of the part that comes now; then the counters go on."""
+    """Set the offset of the current part; then advance the counters."""
     total, *actual = (_cell(names, name) for name in pattern.counters)
     left = total.read()
     assert isinstance(left, int)
@@ -198,7 +198,7 @@ def _on(machine: Machine, pattern: Pattern, names: Names) -> None:
 
 
 def _count(actual: list[Cell], counts: list[int]) -> None:
-    """The first counter goes on; a full one begins anew and the next goes on (D-31).  The slowest is never full."""
+    """Advance the first counter; a full one begins anew and the next one advances (D-31).  The slowest is never full."""
     for at, (cell, count) in enumerate(zip(actual, counts, strict=True)):
         value = cell.read()
         assert isinstance(value, int)

@@ -71,7 +71,7 @@ MODES = ("PTP", "LINEAR", "SPLINE", "ZIRK_MIN_ORI", "ZIRK_BAHN_ORI")
 
 @dataclass(slots=True)
 class PathState:
-    """Parameters in force, displacement, and what the last position leaves behind."""
+    """Parameters in force, displacement, and the state after the last position."""
 
     defaults: Defaults = field(default_factory=Defaults)
     values: dict[str, float] = field(default_factory=dict)
@@ -106,7 +106,7 @@ class PathState:
         return target.moved(self.shift).moved(self.pallet)
 
     def accept(self, target: Target, actual: Target, approximates: bool) -> float:
-        """Takes the next position; the seconds it takes.  StepFault with the number of a path error."""
+        """Accept the next position; return its duration in seconds.  Raise StepFault with the number of a path error."""
         way, turn = _ways(actual, target)
         circle = self.mode in CIRCLES
         if self.mode == "PTP":
@@ -179,7 +179,7 @@ class PathState:
 
 
 def circle_open(mode: str) -> str:
-    """Another mode in front of a circle's end (L310)."""
+    """Return the fault of another mode before a circle's end (L310)."""
     return f"circle without its end point before #{mode}: an even number of positions is needed"
 
 

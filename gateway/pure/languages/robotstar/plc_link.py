@@ -1,4 +1,6 @@
-"""The integrated PLC beside the robot program in virtual time: one image of markers and outputs.  Source: robotstar 5.1, 5.6, 5.8."""
+"""The integrated PLC in parallel with the robot program in virtual time: one image of markers and outputs.  Source: robotstar 5.1, 5.6,
+5.8.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,6 +1,6 @@
-"""Signs and descriptors that a reader of print takes for others: Pege1 for Pegel, `;` for `:`, '' for ", a lost bracket or #.
+"""Signs and descriptors that a reader of print mistakes for others: Pege1 for Pegel, `;` for `:`, '' for ", a lost bracket or #.
 
-All functions take what follows the command of one step and return it as it was meant; what a step can mean as it is stays.
+All functions receive the text after the command of one step and return its intended form; a valid step is unchanged.
 """
 
 import re
@@ -37,7 +37,7 @@ NUMBERS = str.maketrans("OoQl|", "00011")
 
 
 def quotes(text: str) -> str:
-    """Quotation marks: of other kinds, and one that is lost beside a name."""
+    """Correct quotation marks: of other kinds, and one that is lost next to a name."""
     text = _MARKS.sub('"', text)
     if text.count('"') % 2:
         text = _UNCLOSED.sub(r'"\1"', text) if _UNCLOSED.search(text) else _UNOPENED.sub(r'\1"\2"', text)
@@ -45,7 +45,7 @@ def quotes(text: str) -> str:
 
 
 def descriptors(command: str, text: str, words: Words) -> str:
-    """Descriptors in front of a colon: misread letters, two words, another sign for the colon."""
+    """Correct descriptors before a colon: misread letters, two words, another sign for the colon."""
     if command in WITH_VALUES:
         text = _COMPONENT.sub(lambda found: found[1] + _COMPONENTS[found[2]] + found[3], text)
     text = _BEFORE_TEXT.sub(lambda found: f"{found[1]}:" if _meant(command, found[1].strip(), words) else found[0], text)
@@ -53,7 +53,7 @@ def descriptors(command: str, text: str, words: Words) -> str:
 
 
 def _descriptor(command: str, found: re.Match[str], words: Words) -> str:
-    """One descriptor and its colon: the two words in front of it, or the last of them."""
+    """Return one descriptor and its colon: the two words before it, or the last of them."""
     before, _, last = found[1].rpartition(" ")
     if name := _meant(command, found[1].replace(" ", "_"), words):
         return f"{name}:"
@@ -71,7 +71,7 @@ def _meant(command: str, spelt: str, words: Words) -> str:
 
 
 def hashes(command: str, text: str, words: Words) -> str:
-    """# in front of system equates: a blank behind it, * for it, brackets for < and >, none at all."""
+    """Correct # before system equates: a blank after it, * for it, brackets for < and >, none at all."""
     wanted = {name for place in GRAMMAR.get(command, ()) for name in place.equates}
     text = _HASH_AND_BLANK.sub("#", text) if wanted else text
     text = _RELATION.sub(lambda found: "#" + (found[1] + found[2]).translate(str.maketrans("()", "<>")), text)
@@ -96,7 +96,7 @@ def operands(text: str) -> str:
 
 
 def quantity(text: str, words: Words) -> str:
-    """The number of a command that takes one, without a unit that is printed in a form of its own; "": there is none."""
+    """Return the number of a command that requires one, without a unit that is printed separately; "": there is none."""
     unit = "|".join(re.escape(each) for each in sorted(words.units, key=len, reverse=True))
     found = re.match(_QUANTITY.format(unit=unit), text)
     if not found or not (found[2] or found[5]) or (found[1] == "[" and "," not in found[4] and not found[5]):

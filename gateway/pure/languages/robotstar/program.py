@@ -68,5 +68,5 @@ class Program:
 
 
 def definition_late(began: int) -> str:
-    """What is wrong with a definition behind the step that began the program (L803)."""
+    """Return the fault of a definition after the step that began the program (L803)."""
     return f"definitions belong at the beginning, before step {began}"

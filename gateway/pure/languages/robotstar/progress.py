@@ -15,7 +15,7 @@ REPORT_NS: Ns = 50_000_000
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """length: of the way of the tool, mm; seconds: it takes as programmed, at an override of 100 %; share: that is done, 0 .. 1."""
+    """length: of the tool's way, mm; seconds: programmed duration at an override of 100 %; share: the part done, 0 .. 1."""
 
     length: float = 0.0
     seconds: float = 0.0
@@ -35,7 +35,7 @@ class Reports:
     """What the markers are given of it, as often as a page or a PLC can follow."""
 
     def __init__(self) -> None:
-        self._last: tuple[int, ...] = ()  # behind a memory that was read anew the markers have the numbers of the one before
+        self._last: tuple[int, ...] = ()  # after a memory was read anew the markers hold the numbers of the previous one
         self._at: Ns = 0
 
     def due(self, progress: Progress, now: Ns) -> str:

@@ -35,7 +35,7 @@ class _Reading:
     source: SourceFile
     faults: Faults
     program: Program
-    # What was read before, by its text: lines and their parts repeat in a program, and nobody changes what is made of them.
+    # What was read before, by its text: lines and their parts repeat in a program, and the objects made of them are never changed.
     steps: dict[str, Step] = field(default_factory=dict)  # without a fault
     parameters: dict[tuple[str, str, int], Parameter] = field(default_factory=dict)
     descriptors: dict[str, str] = field(default_factory=dict)
@@ -112,8 +112,9 @@ def _read_step(reading: _Reading, number: int, line: int, text: str) -> Step:
 
 
 def _command(words: Mapping[str, str], spelling: str, rest: str) -> tuple[str, str]:
-    """The command, and what follows it; "" where there is none.  Some are printed in two words, BAHN RADIUS (L1774), and PALLET as PAL
-    (L4532)."""
+    """Return the command and the text after it; "" where there is none.  Some are printed in two words, BAHN RADIUS (L1774), and PALLET as
+    PAL (L4532).
+    """
     word = words.get(spelling, "")
     if word == "PAL" and "#" in rest:
         return "PALLET", rest
@@ -301,7 +302,7 @@ def _position(reading: _Reading, step: Step, parameters: tuple[Parameter, ...]) 
 
 
 def _misfit(name: str, parameter: Parameter, slots: Mapping[str, Operand]) -> str:
-    """Why a position does not take a value; "" where it does."""
+    """Return why a position does not accept a value; "" where it does."""
     if name in slots:
         return f"{name} is given twice" if name not in ("kind", "variable", "name") else f"{parameter.text} does not belong here"
     if name in ("kind", "variable", "name"):
@@ -355,7 +356,7 @@ def _frame(reading: _Reading) -> None:
 
 
 def _misspelt(reading: _Reading, step: Step, words: Iterable[str]) -> None:
-    """A word of the frame with a slip in it has been named: it is no unknown command as well."""
+    """Do not report a misspelt word of the frame a second time as an unknown command."""
     if step.macro and nearest(step.word, words):
         reading.faults.spoilt(reading.source.at(step.line))
 
@@ -417,7 +418,7 @@ def needed_label(step: Step) -> str:
 
 
 def _definitions_first(reading: _Reading) -> None:
-    """Definitions stand in front of all other steps but comments (L803); a pallet pattern may end with constants (L4582)."""
+    """Check that definitions precede all other steps but comments (L803); a pallet pattern may end with constants (L4582)."""
     began: Step | None = None
     late: list[Step] = []
     pattern = _looks_like_pattern(reading.program)

@@ -21,7 +21,7 @@ class Stride(Enum):
     MODE = "run"  # as the mode has it
     INTO = "into"  # one step, of a sub-program or macro too
     OVER = "over"  # one step, a call or macro to its end
-    OUT = "out"  # to the step behind the call in force
+    OUT = "out"  # to the step after the call in force
 
 
 class State(Enum):
@@ -62,7 +62,7 @@ MODES = {
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A message of the control.  `number` None: the manual gives none.  `step` 1 is the head."""
+    """A message of the control.  `number` None: the manual prints none.  `step` 1 is the head."""
 
     text: str
     number: int | None
@@ -122,7 +122,7 @@ class Robot:
 
     # ---- orders ----------------------------------------------------------------------------------------------------------
     def select(self, program: Program) -> None:
-        """Chooses a program; what was interrupted is not resumed (L1262)."""
+        """Choose a program; an interrupted one is not resumed (L1262)."""
         self.machine.select(program)
         self._forget()
         if self.state is not State.ERROR:
@@ -156,7 +156,7 @@ class Robot:
         return ""
 
     def stop(self, now: Ns) -> None:
-        """STOP: on the path; START goes on from there."""
+        """STOP on the path; START continues from there."""
         if self.state in (State.RUNNING, State.WAITING):
             self._elapse(now)
             self.state = State.STOPPED
@@ -246,7 +246,7 @@ class Robot:
         return False
 
     def _may_begin(self, frame: Frame, now: Ns) -> bool:
-        """A round of AUTO takes at least a cycle, in programs that go to one another too."""
+        """Return whether a round may begin: a round of AUTO lasts at least a cycle, even in programs that jump to one another."""
         key = frame.program.key
         if now < self._rounds.get(key, now - CYCLE) + CYCLE:
             return False
@@ -320,7 +320,7 @@ class Robot:
             return False
 
     def _elapse(self, now: Ns) -> None:
-        """Takes the time since the last look from what is left."""
+        """Subtract the time since the last look from the remaining time."""
         passed, self._asked_at = max(now - self._asked_at, 0), now
         if self._left is None or self.state is State.STOPPED:
             return
@@ -348,7 +348,7 @@ class Robot:
             return now + max(round(self._left / factor), 1) if factor > 0 else None
         self.drive.arrived(request.target, request.mode, now)
         if not request.whole:
-            self.machine.effects -= 1  # no way is no change: a loop of it gives its time away
+            self.machine.effects -= 1  # no way means no change: a loop of it yields its time
         self.machine.answered()
         return None
 

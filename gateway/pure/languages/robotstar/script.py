@@ -25,7 +25,7 @@ class Order:
 
 
 _SET = re.compile(r"(EA|E|M)(\d{1,4})(?:\.(\d))?=([+-]?\d+(?:\.\d+)?)", re.IGNORECASE)
-VALUES = ("E", "M", "EA")  # orders that give a value
+VALUES = ("E", "M", "EA")  # orders that set a value
 WORDS = ("START", "STOP", "F1", "F2", "ACK", "POWER", "DRIVES", "EXEC")
 
 

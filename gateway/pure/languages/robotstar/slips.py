@@ -1,6 +1,6 @@
-"""Slips of a reader of print inside one step: O for 0, l for 1, B for 8, a lost comma or colon, another sign in their place.
+"""Slips of a reader of print inside one step: O for 0, l for 1, B for 8, a lost comma or colon, another sign instead of them.
 
-Only what no step can mean is put right: the name of a variable begins with the letter of its type (L764), so `8O` and `l80` are none.
+Only invalid text is corrected: the name of a variable begins with the letter of its type (L764), so `8O` and `l80` are not names.
 """
 
 import re
@@ -12,15 +12,15 @@ from gateway.pure.languages.robotstar.words import Words
 
 ALIKE = str.maketrans({"0": "O", "Q": "O", "1": "I", "L": "I", "|": "I", "!": "I", "8": "B", "5": "S", "-": "_"})
 DIGITS = str.maketrans({"O": "0", "o": "0", "Q": "0", "l": "1", "I": "1", "|": "1", "B": "8", "S": "5", "Z": "2"})
-NAMED = ("LABEL", "BRANCH", "CALL", "PROGRAM")  # what follows is a name or a text
-ONE_NUMBER = (  # a second number can only be what is behind a decimal comma
+NAMED = ("LABEL", "BRANCH", "CALL", "PROGRAM")  # followed by a name or a text
+ONE_NUMBER = (  # a second number can only be the digits after a decimal comma
     "WAIT", "PTP_SPEED", "PTP_ACCEL", "PATH_SPEED", "PATH_ACCEL", "PATH_TIME", "PATH_RADIUS", "PATH_DISTANCE",
 )  # fmt: skip
 _TEXT = re.compile(r'("[^"]*")')
 _NUMBER = re.compile(r"(?<![\w#.])[+-]?(?=[\w.|]*\d)(?![IRVPTS_])[\dOoQl|IBSZ]+(?:\.[\dOoQlI|BSZ]+)?(?![\w.])")
 _HEX = re.compile(r"(?<![\w#])(?=[\dO])[\dA-FOo]+H(?!\w)")
 _BINARY = re.compile(r"[01]+B")
-_NAME = re.compile(  # what is in front, and a name whose first letter, that of its type, was read as a digit
+_NAME = re.compile(  # the text before it, and a name whose first letter, that of its type, was read as a digit
     r"(?:(?P<descriptor>[A-Za-z][\w-]*)\s*:?\s*|(?<=,)\s*|(?<=^)\s*|(?<=\[)\s*)(?<![\w.#])(?P<first>[1l|!5])(?=_?[A-Z]{2}|_[A-Z])(?P<rest>\w+)"
 )
 VARIABLES = ("OP_1", "OP_2", "VARIABLE", "SOURCE", "DESTINATION", "VECTOR")

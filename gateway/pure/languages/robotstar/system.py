@@ -75,7 +75,7 @@ class System:
         return SystemCell("R", lambda: self.path_left(number), None)
 
     def _coordinate(self, number: int) -> SystemCell:
-        """As a calibration program reads it, behind its movement."""
+        """Return a coordinate as a calibration program reads it, after its movement."""
 
         def get() -> Scalar:
             assert self.machine is not None

@@ -44,7 +44,7 @@ class TrafoFault(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """What a reference program gives."""
+    """The result of a reference program."""
 
     positions: tuple[Target, ...]
     numbers: tuple[float, ...] = ()
@@ -181,7 +181,7 @@ def _target(machine: Machine, names: Names, step: Step, base: int) -> Target:
 
 
 def _numbers(names: Names, definitions: list[Step], numeric: int, axes: int, base: int) -> tuple[float, ...]:
-    """The values of RARR, or of RVAR where there is no additional axis."""
+    """Return the values of RARR, or of RVAR without an additional axis."""
     reals = [step.slots["name"] for step in definitions]
     found = [(ref, names.get(ref.name)) for ref in reals if isinstance(ref, Ref) and ref.name.startswith("R")]
     if not found or found[0][1] is None:
@@ -256,7 +256,7 @@ def _factor(parameter: int, reference: tuple[Xyz, ...], source: Xyz, destination
 
 @dataclass(frozen=True, slots=True)
 class AxisMap:
-    """Of one additional axis: value * factor + offset, for the axis `name` of the destination's station."""
+    """Mapping of one additional axis: value * factor + offset, for the axis `name` of the destination's station."""
 
     name: str
     factor: float = 1.0

@@ -1,7 +1,7 @@
-"""Variables: cells, structures, arrays, and what is valid in them.  Source: robotstar 2.2, 2.3, 2.6.
+"""Variables: cells, structures, arrays, and their validity.  Source: robotstar 2.2, 2.3, 2.6.
 
-Validity is kept for each element.  A structure of which some element has been written counts as written; its other elements read as
-unset one by one and as 0 where the whole is used.
+Validity is kept for each element.  A structure of which some element has been written counts as written; its other elements read as unset
+individually and as 0 where the entire structure is used.
 """
 
 import math
@@ -86,7 +86,7 @@ class Structure:
         return any(value is not None for value in self.parts.values()) or any(value is not None for value in self.raw)
 
     def number(self, name: str) -> float:
-        """An element where the whole is used: 0 where it was never written."""
+        """Return an element of an entire structure: 0 where it was never written."""
         return self.parts[name] or 0
 
     def get(self, name: str) -> int | float:
@@ -197,7 +197,7 @@ Names: TypeAlias = Mapping[str, Variable]
 
 
 def converted(value: Scalar, kind: str, length: int) -> Scalar:
-    """A value as another type holds it; StepFault where there is no conversion.  Fractions are rounded to the nearest integer,
+    """Return a value converted to another type.  Raise StepFault without a conversion.  Fractions are rounded to the nearest integer,
     halves away from 0."""
     if kind == "S":
         if not isinstance(value, str):

@@ -1,6 +1,6 @@
 """A cell in virtual time: inputs, outputs, markers, a robot that follows its commands, a script of orders, and what happened.
 
-Pure: nothing passes but virtual time, so the same input gives the same events.
+Pure: only virtual time passes, so the same input produces the same events.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping

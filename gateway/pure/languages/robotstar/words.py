@@ -38,7 +38,7 @@ class Words:
         )
 
     def descriptor(self, text: str) -> str:
-        """The descriptor a text in front of a colon is, "" for none; element names such as X or A7 are themselves."""
+        """Return the descriptor of a text before a colon, "" for none; element names such as X or A7 are returned unchanged."""
         plain = text.strip().upper().replace("-", "_").replace(" ", "_")
         return self.descriptors.get(plain, plain if _is_element(plain) else "")
 

@@ -35,7 +35,7 @@ class LocalPlace(int):
 
 
 def part_of(start: object, place: int) -> int:
-    """A place in an array that was passed: the part from there on is as local as the whole."""
+    """Return a place in a passed array: the part from there on is as local as the array."""
     return LocalPlace(place) if isinstance(start, LocalPlace) else place
 
 
@@ -45,12 +45,12 @@ def kept(values: list[object], place: int, start: object) -> tuple[list[object],
 
 
 def is_kept(start: object) -> bool:
-    """Whether what begins there is a local array."""
+    """Return whether a local array begins there."""
     return isinstance(start, LocalPlace)
 
 
 class _One(list[object]):
-    """One value as an array of size 1 (L957): what is put into it goes to where the value lies."""
+    """One value as an array of size 1 (L957): an assignment writes the original value."""
 
     def __init__(self, holder: object, key: object) -> None:
         self._holder, self._key = places(holder), key
@@ -67,12 +67,12 @@ class _One(list[object]):
 
 
 def one(holder: object, key: object) -> Local:
-    """A field, an entry or a parameter by reference where an instruction takes an array."""
+    """Return a field, an entry or a parameter by reference where an instruction requires an array."""
     return Local(_One(holder, key), 0)
 
 
 def ix(index: float) -> int:
-    """An index to the nearest whole number; 21 below 0.  Above the size the list itself raises."""
+    """Return an index rounded to the nearest integer; 21 below 0.  Above the size the list itself raises."""
     return rounded(index)
 
 
@@ -128,7 +128,7 @@ def f_is_defined(find: Callable[[], Container], offset: int, place: tuple[object
     """Whether the element, the key or the datum of a library is there."""
     try:
         container = find()
-    except (Rte, LookupError):  # what it lies in is not there
+    except (Rte, LookupError):  # its container does not exist
         return False
     if place is None:
         return True
@@ -216,19 +216,19 @@ def f_last(container: dict[str, object]) -> str:
 
 
 def f_next(container: dict[str, object], name: str) -> str:
-    """The key behind this one; "" behind the last."""
+    """Return the key after this one; "" after the last."""
     here = key(container, name)
     return min((each for each in container if each > here), default="")
 
 
 def f_prev(container: dict[str, object], name: str) -> str:
-    """The key in front of this one."""
+    """Return the key before this one."""
     here = key(container, name)
     return max((each for each in container if each < here), default="")
 
 
 def copy_values(source: list[object], start: int, target: list[object], first: int) -> int:
-    """Until one of the two ends; how many.  Both may be parts of one array: what is copied is what was there before."""
+    """Copy until one of the two ends; return the number.  Both may be parts of one array: the previous values are copied."""
     amount = min(len(source) - start, len(target) - first)
     for at, value in enumerate([copied(each) for each in source[start : start + amount]]):
         mine = target[first + at]

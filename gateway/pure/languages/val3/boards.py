@@ -25,7 +25,7 @@ class UserBoards:
 
     @property
     def overrun(self) -> bool:
-        """A refresh takes longer than it may: than its period, or, in the synchro task, than the system cycle."""
+        """Return whether a refresh exceeds its period or, in the synchro task, the system cycle."""
         return sum(self.times.values()) > (CYCLE if self.no_jitter else CYCLE * self.ratio)
 
     def due(self) -> bool:

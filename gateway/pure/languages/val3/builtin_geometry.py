@@ -53,7 +53,7 @@ def tool_in(own: Instance, value: ToolV, depth: int = 0) -> cartesian.Tool:
 
 
 def config_in(value: ConfigV) -> Configuration:
-    """The words as what the kinematics takes."""
+    """Convert the words to the kinematics' configuration."""
     return Configuration(Shoulder(value.shoulder), Elbow(value.elbow), Wrist(value.wrist))
 
 
@@ -87,7 +87,7 @@ def joint_out(own: Instance, values: Iterable[float]) -> JointV:
 
 
 def scales_of(own: Instance) -> tuple[float, ...]:
-    """Of each axis: mm in a length unit of the application; 1 of an axis that turns."""
+    """Return for each axis the mm in a length unit of the application; 1 for a rotary axis."""
     s, moves = scale_of(own), own.machine.moves_or_none
     if s == 1.0 or moves is None:
         return (1.0,) * MOST_AXES
@@ -158,7 +158,7 @@ def f_interpolate_l(own: Instance, start: TrsfV, end: TrsfV, position: float) ->
 
 
 def f_interpolate_c(own: Instance, start: TrsfV, middle: TrsfV, end: TrsfV, position: float) -> TrsfV:
-    """550 .. 553 where there is no arc."""
+    """Interpolate on an arc.  Raise 550 .. 553 where there is none."""
     return TrsfV(*trsf.interpolate_c(Trsf(*start.numbers()), Trsf(*middle.numbers()), Trsf(*end.numbers()), position))
 
 

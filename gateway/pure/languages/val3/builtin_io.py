@@ -30,7 +30,7 @@ def io_put(own: Instance, variable: DioV, value: bool) -> bool:
 
 
 def f_dio_link(own: Instance, variable: LinkV, source: LinkV) -> None:
-    """The variable takes the link of the source."""
+    """Copy the source's link to the variable."""
     variable.link = source.link
 
 
@@ -60,7 +60,7 @@ def f_aio_get(own: Instance, variable: AioV) -> float:
 
 
 def f_aio_set(own: Instance, variable: AioV, value: float) -> float:
-    """Writes; the value as the output takes it, out of its range what it has (L2493)."""
+    """Write; return the value as the output accepts it, or its present value if out of range (L2493)."""
     return own.machine.io.write(variable.link, value)
 
 
@@ -82,7 +82,7 @@ def f_io_description(own: Instance, variable: LinkV, description: Place, path: P
 
 
 def f_sio_link(own: Instance, variable: SioV, source: SioV) -> None:
-    """The variable takes the link of the source; 123 where it has none."""
+    """Copy the source's link to the variable; 123 where it has none."""
     own.machine.sio.link(variable, source)
 
 
@@ -163,7 +163,7 @@ def _done(own: Instance, call: Call[T]) -> Waiting:
             yield None
             _settle(own)
     finally:
-        if not call.done:  # the task is killed, or goes on elsewhere: what comes in is for those that still wait
+        if not call.done:  # the task is killed, or continues elsewhere: received data is for the tasks that still wait
             own.machine.sio.core.cancel(call)
     return call.result()
 

@@ -106,7 +106,7 @@ def f_lib_list(own: Instance, path: str, contents: Place) -> Waiting:
 
 
 def f_lib_exist(own: Instance, identifier: str, symbol: str) -> bool:
-    """Public data, or programs with () behind the name."""
+    """Return whether the symbol exists: public data, or programs with () after the name."""
     found = own.libraries.get(identifier)
     if found is None:
         return False

@@ -19,7 +19,7 @@ BLENDS = {"off": BlendKind.OFF, "joint": BlendKind.JOINT, "Cartesian": BlendKind
 
 
 def mdesc_in(value: MdescV) -> Mdesc:
-    """As the motion stack takes it."""
+    """Convert to the motion stack's form."""
     return Mdesc(value.accel, value.vel, value.decel, value.tvel, value.rvel, BLENDS[value.blend], value.leave, value.reach)
 
 
@@ -98,7 +98,7 @@ def f_restart_move(own: Instance) -> None:
 
 
 def f_reset_motion(own: Instance) -> None:
-    """Drops what is queued."""
+    """Drop the queued moves."""
     moves_of(own).reset()
 
 
@@ -152,7 +152,7 @@ def f_is_settled_tool(own: Instance, tool: ToolV, accuracy: float) -> bool:
 
 
 def f_is_settled_time(own: Instance, tool: ToolV, accuracy: float, turn: float, seconds: float) -> bool:
-    """The tool within a distance and an angle, for so many seconds."""
+    """Wait until the tool is within a distance and an angle for these seconds."""
     return moves_of(own).settled(tool_in(own, tool), accuracy * scale_of(own) * 1e-3, math.radians(turn), seconds)
 
 
@@ -196,7 +196,7 @@ def f_set_move_id(own: Instance, number: float) -> float:
 
 
 def f_reset_turn(own: Instance, reference: JointV) -> JointV:
-    """Shifts the last axis by whole turns next to the reference: AX-724."""
+    """Shift the last axis by full turns next to the reference: AX-724."""
     moves = moves_of(own)
     moves.reset()
     values = list(moves.joints())

@@ -144,7 +144,7 @@ def f_user_page_confirm(own: Instance, text: str) -> Waiting:
 
 
 def f_user_page_prompt(own: Instance, text: str, entry: Place) -> Waiting:
-    """OK true and the entry, CANCEL false; an entry that is no number is asked for again."""
+    """OK true and the entry, CANCEL false; an entry that is not a number is requested again."""
     while True:
         answer = yield from _answer(own, text, "cancel", "prompt")
         word, separator, given = answer.partition(":")
@@ -188,7 +188,7 @@ def f_get_language(own: Instance) -> str:
 
 
 def f_set_language(own: Instance, name: str) -> bool:
-    """false: there is no such translation."""
+    """Set the language; false: the translation does not exist."""
     if name not in LANGUAGES:
         return False
     own.machine.robot.language = name

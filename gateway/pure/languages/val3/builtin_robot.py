@@ -119,7 +119,7 @@ def f_wake_up_robot(own: Instance) -> float:
 
 
 def f_has_cpu_ext_power_supply(own: Instance) -> bool:
-    """The controller reacts to a power failure by itself (D11)."""
+    """The controller itself reacts to a power failure (D11)."""
     return True
 
 
@@ -128,7 +128,7 @@ def f_prepare_cpu_shutdown(own: Instance) -> None:
 
 
 def f_brake_test(own: Instance, status: Place) -> Waiting:
-    """0 all brakes hold, 1 one does not, below 0 the procedure failed; what the axes that were not tested have is that code."""
+    """0 all brakes hold, 1 one does not, below 0 the procedure failed; axes that were not tested get that code."""
     machine = own.machine
     values, first, axes = status[0], status[1], machine.axes
     if len(values) - first < axes:

@@ -1,7 +1,7 @@
 """The folder usr/configs of a flash card: sio.cfx, cell.cfx, arm.cfx, process data of field-bus boards.
 
 Source: files of controllers s7.9 .. s8.20 (S8 note N01): `<String name="parity" value="none" />` and its like with Uint, Int, Float, Bool,
-Inet, arrays of values with `index`.  A key that is missing has the controller's default; what is not understood is reported, never guessed.
+Inet, arrays of values with `index`.  A missing key has the controller's default; unknown keys and values are reported, never guessed.
 """
 
 import math

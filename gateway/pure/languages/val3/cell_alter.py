@@ -38,7 +38,7 @@ class CellAlter:
     ended: bool = False  # alterEnd
     locked: bool = False  # an error, until resetMotion
     on_path: bool = False  # the path of the part has been handed on
-    used: bool = False  # the path is over after its alterEnd, and no standard move came behind it
+    used: bool = False  # the path is over after its alterEnd, and no standard move followed it
     _next: Alteration | None = None  # alterBegin of the path to come
     _asked: bool = False  # alterBegin has answered 0, and no later one 1
     _value: Trsf = NOTHING
@@ -55,9 +55,9 @@ class CellAlter:
 
     # ---- instructions
     def begin(self, reference: BlockFrame | BlockTool, mdesc: Mdesc, unit_m: float, *, apart: bool = False) -> int:
-        """alterBegin: 0 waits for its path, 1 once when asked again on it, then -1; -2, -3; RuntimeFault 100..106.
+        """alterBegin: 0 waits for its path, 1 once when called again on it, then -1; -2, -3; RuntimeFault 100..106.
 
-        apart: a standard move is queued behind the path under way: after alterEnd the order is for the next one (L6294).
+        apart: a standard move is queued after the current path: after alterEnd the order is for the next one (L6294).
         """
         mdesc.check()
         if self.place is None:
@@ -112,7 +112,7 @@ class CellAlter:
         return DONE if all(map(math.isfinite, change)) else IN_ERROR
 
     def end(self) -> int:
-        """alterEnd: what is altered now stays for the rest of the path."""
+        """alterEnd: the present alteration stays for the rest of the path."""
         if self.locked:
             return IN_ERROR
         if self._next is not None:
@@ -135,9 +135,9 @@ class CellAlter:
 
     # ---- the path
     def over(self, *, failed: bool, apart: bool = True) -> None:
-        """The altered path is over, what was ordered for the next one waits for it; failed: until resetMotion nothing is altered.
+        """End the altered path; orders for the next one wait for it; failed: no alteration until resetMotion.
 
-        apart: a standard move is queued behind it.
+        apart: a standard move is queued after it.
         """
         self.used = not apart and not failed
         self.locked = failed

@@ -81,12 +81,12 @@ class CellIo(VirtualIo):
         return self._by_link[link]
 
     def find(self, link: str) -> Point | None:
-        """The point behind a link."""
+        """Return the point of a link."""
         point = self._found(link)
         return None if point is None else self.points[point.path.lower()]
 
     def declare(self, link: str) -> Point:
-        """The point behind a link; one that leads to nothing is unknown."""
+        """Return the point of a link; an unknown point for a dangling link."""
         return self.find(link) or Point(link, status=Status.UNKNOWN)
 
     def usable(self, link: str | None) -> Point:
@@ -96,7 +96,9 @@ class CellIo(VirtualIo):
         return VirtualIo.usable(self, link)
 
     def write(self, link: str | None, value: float) -> float:
-        """The value as the output takes it; 122 for an input; an analog value out of range leaves the output as it is (AX-519)."""
+        """Write an output; return the value as it accepts it; 122 for an input; an analog value out of range leaves it
+        unchanged (AX-519).
+        """
         before = self.usable(link)
         if before.is_input:
             raise Rte(122, before.path)

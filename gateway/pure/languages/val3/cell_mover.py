@@ -1,7 +1,7 @@
 """Moves of a VAL 3 application as blocks of one stream to the planner (AX-930): the `Mover` of the motion stack in a cell.
 
-Every block is judged when its instruction gives it, from where the one before ends.  A stream that ends before its blocks are done (power
-off, emergency stop) leaves them here: the next one begins with a connection move to the place where the path was left.
+Every block is checked when its instruction issues it, from where the previous one ends.  A stream that ends before its blocks are done
+(power off, emergency stop) leaves them here: the next stream begins with a connection move to the place where the path was left.
 """
 
 from collections import deque
@@ -52,7 +52,7 @@ class StreamMover:
     joints: Callable[[], Sequence[float]]
     said: Callable[[str], None]  # why the cell does not move, for a person
     change: CellAlter
-    alterable: bool = False  # what the next add() is
+    alterable: bool = False  # whether the next add() is alterable
     allowed: bool = False  # power, control, no hold
     left: tuple[float, ...] | None = None  # where the path was left
     connect: bool = False  # the connection move may run
@@ -97,7 +97,7 @@ class StreamMover:
 
     @property
     def apart(self) -> bool:
-        """A standard move waits behind the alterable path under way."""
+        """Return whether a standard move waits after the current alterable path."""
         return self._altered is not None and any(not item.alterable for item in self._waiting)
 
     def finish(self) -> None:
@@ -217,7 +217,7 @@ class StreamMover:
         return True
 
     def _end_altered(self) -> None:
-        """After alterEnd: the stream ends with its path, and what follows begins where the arm is."""
+        """After alterEnd: end the stream with its path; later moves begin where the arm is."""
         stretch = self._altered
         if stretch is None or stretch.ended or not self.change.ended:
             return
@@ -287,7 +287,7 @@ class StreamMover:
             self.left = tuple(self.joints())
 
     def end(self) -> None:
-        """The application is over: what is left of its path is dropped."""
+        """End the application: drop the remainder of its path."""
         if self._waiting or self._handed:
             self.abandon()
         else:

@@ -94,7 +94,7 @@ class CellMoves(Moves):
 
     @property
     def braking(self) -> bool:
-        """Never: a cell stops its axes before it switches them off; later their set values follow the encoders, which do not stand."""
+        """Never: a cell stops its axes before it switches them off; later their set values follow the encoders, which are not at rest."""
         return False
 
     def settled(self, tool: Tool | None = None, accuracy_m: float = 0.0, turn: float | None = None, seconds: float | None = None) -> bool:
@@ -114,7 +114,7 @@ class CellMoves(Moves):
         return number
 
     def reset(self, start: Sequence[float] | None = None) -> None:
-        """resetMotion: what is queued is dropped."""
+        """resetMotion: drop the queued moves."""
         self.stack.reset_motion(self._si(start) if start is not None else None)
         self.change.dropped()
 

@@ -17,8 +17,8 @@ class CellRobot(RobotState):
 
     port: Port | None = None
     axes: int = 0
-    held: bool = False  # nobody else has control
-    button: bool = False  # hold, as the PLC or a tool gives it
+    held: bool = False  # no other command source has control
+    button: bool = False  # hold, as set by the PLC or a tool
     dead_watch: bool = False  # the watchdog has expired, and was not refreshed since
     unguarded: bool = False  # power was switched on without an active watchdog
     said: Callable[[str], object] = str  # what a person has to know
@@ -72,7 +72,7 @@ class CellRobot(RobotState):
             self._power(on=False)
 
     def refresh_watchdog(self, now: Ns) -> bool:
-        """As in a virtual run; a watchdog that is not there takes the power."""
+        """As in a virtual run; a broken watchdog switches the power off."""
         before = self.watchdog_broken
         try:
             active = super().refresh_watchdog(now)

@@ -1,7 +1,7 @@
 """A VAL 3 application in a cell (AX-930): its tasks in real time, the arm and the signals those of the cell.  Pure.
 
-The machine is the one of a virtual run.  It has a line cost, so that a turn is bounded; what a turn cannot run is left out of the clock of
-the application, not made up for.
+The machine is the one of a virtual run.  It has a line cost, so that a turn is bounded; time that a turn cannot run is omitted from the
+application's clock and not made up for.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -59,7 +59,7 @@ class Setup:
     boards: UserBoards | None = None
     service: Service = field(default_factory=Service)
     profile: str = "default"
-    profiles: Mapping[str, str] = field(default_factory=dict)  # beside it: name -> password
+    profiles: Mapping[str, str] = field(default_factory=dict)  # in addition to "default": name -> password
     references: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     licences: Mapping[str, str] = field(default_factory=dict)
     options: tuple[str, ...] = ()
@@ -199,7 +199,7 @@ class CellRun:
 
     # ---- turns
     def turn(self, now: Ns) -> bool:
-        """All tasks go on; True: there is time to make up."""
+        """Continue all tasks; True: there is time to make up."""
         machine, moves = self.machine, self._moves
         if machine is None or moves is None:
             self._robot.look()
@@ -286,7 +286,7 @@ class CellRun:
 
 
 def _words(task: Task) -> str:
-    """The text of its error, with what it is about."""
+    """Return the text of its error, with its subject."""
     return task.detail or TEXTS.get(task.status, "error")
 
 

@@ -18,14 +18,14 @@ MOST_SHOWN = 300  # attributes of a user page
 POPUPS = 10
 MODES = {1: "manual", 2: "test", 3: "local", 4: "remote"}
 
-DIGITS = 4  # behind the point: a tenth of a micrometre
+DIGITS = 4  # after the decimal point: a tenth of a micrometre
 PLACES = ("j1", "x", "shoulder")  # first fields of joint, trsf and config, whose values are written without names
 
 Seen = dict[str, object]
 
 
 def seen(machine: Machine, own: Instance, popups: list[str]) -> Seen:
-    """Lists only at the top: what does not fit into the report is left out from their ends."""
+    """Return the view with lists only at the top: they are shortened at their ends to fit into the report."""
     moves, robot = machine.moves_or_none, machine.robot
     state = {
         "application": own.loaded.app.name,

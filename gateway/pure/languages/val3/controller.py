@@ -27,7 +27,7 @@ Loads = Callable[[Owner, str, str, str, str], int]
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Of the event ring: type 0 popup, 1 history, 2 log."""
+    """An entry of the event ring: type 0 popup, 1 history, 2 log."""
 
     id: int
     type: int
@@ -156,7 +156,7 @@ class Controller:
             self.left = 0
 
     def restarted(self, task: Task) -> None:
-        """A stopped task goes on."""
+        """Continue a stopped task."""
         task.rest = task.priority
         self._end_long_turn()
         self._quiet = 0

@@ -1,4 +1,4 @@
-"""VAL 3 applications under a debugger, in virtual time: where each task is, what its variables are, how it goes on."""
+"""VAL 3 applications under a debugger, in virtual time: position, variables and stepping of each task."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -31,19 +31,19 @@ def key_of(program: Program) -> str:
 
 
 class DebugRun:
-    """A run whose tasks can be held in front of any line."""
+    """A run whose tasks can be held before any line."""
 
     def __init__(self, run: Run) -> None:
         self.run, self.machine, self.debugger = run, run.machine, Debugger()
         self._processes: dict[Task, Process] = {}
         self._lines: dict[Frame, int] = {}  # in which each call is
         self._held: Task | None = None
-        self._skips: Task | None = None  # the line it was held in front of
+        self._skips: Task | None = None  # the task whose line it was held before
         self._pausing = False
         self.machine.watched = self._watched
 
     def begin(self) -> None:
-        """start() is in front of its first line."""
+        """Begin with start() before its first line."""
         self.run.begin()
 
     def go_on(self) -> bool:
@@ -56,13 +56,13 @@ class DebugRun:
         return None if self._held is None else self._process(self._held).number
 
     def resume(self, how: Step) -> None:
-        """Lets it go on in this way."""
+        """Continue it in this way."""
         if self._held is not None:
             self.debugger.go_on(self._process(self._held), how, len(self._held.frames))
             self._held, self._skips, self.machine.halted = None, self._held, False
 
     def pause(self) -> None:
-        """Holds the task that is the next to run, in front of its line."""
+        """Hold the task that is the next to run, before its line."""
         self._pausing = True
 
     def tasks(self) -> list[tuple[int, Task]]:

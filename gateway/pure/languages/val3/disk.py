@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-ROOTS = ("disk",)  # what is there; Floppy, USB0 and FTP are known to the language, but nothing is behind them
+ROOTS = ("disk",)  # existing roots; Floppy, USB0 and FTP are known to the language, but do not exist here
 ABSENT_ROOTS = ("floppy", "usb0")
 
 

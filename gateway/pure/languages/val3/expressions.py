@@ -69,7 +69,7 @@ class Translator(VariableTranslator):
         waits = form.waits or any(value.waits for value in values)
         function = form.function
         if function == "to_binary" and self.scope.app.since_s8:
-            function = "to_binary_of_what_is_there"  # s8 applications give the number of bytes
+            function = "to_binary_of_what_is_there"  # s8 applications state the number of bytes
         code = f"f_{function}({', '.join(codes)})"
         return Value(f"(yield from {code})" if form.waits else code, form.result, node, waits=waits)
 
@@ -203,13 +203,13 @@ class Translator(VariableTranslator):
 
 
 def _inside(value: Value) -> str:
-    """The place from which on an array is passed; 20 where it lies behind the end."""
+    """Return the place from which an array is passed; 20 where it lies past the end."""
     indexed = value.indexed and isinstance(value.node, Index)
     return f"there({value.whole}, {value.offset})" if indexed else value.offset
 
 
 def _begin(value: Value) -> str:
-    """As _inside; of a local array it says so to the program that is called."""
+    """Like _inside; marks a local array for the called program."""
     place = _inside(value)
     if value.local:
         return f"LocalPlace({place})"

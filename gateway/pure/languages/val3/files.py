@@ -36,7 +36,7 @@ class Reader:
         self.disk, self.faults = disk, faults
 
     def application(self, folder: str, name: str) -> Application | None:
-        """None where there is no project file that can be read."""
+        """Return the application; None without a readable project file."""
         made = Application(name, folder)
         root = self._root(made.project, "Project", "Project/3")
         if root is None:
@@ -282,7 +282,7 @@ class Reader:
 
 
 def _lose(made: Application, kind: str) -> None:
-    """A file cannot be read: what programs use out of it is no fault of theirs."""
+    """Note an unreadable file: programs that use its content are not at fault."""
     if kind == "Database":
         made.lost_data = True
     else:

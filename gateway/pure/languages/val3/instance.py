@@ -1,4 +1,4 @@
-"""One application in memory: its data, its programs ready to run, the libraries behind its identifiers."""
+"""One application in memory: its data, its programs ready to run, the libraries of its identifiers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -81,7 +81,7 @@ class Program:
         return self.code.lines[pc] if 0 <= pc < len(self.code.lines) else self.code.last_line
 
     def step_at(self, line: int) -> int:
-        """The first step at or behind a line."""
+        """Return the first step at or after a line."""
         for at, own in enumerate(self.code.lines):
             if own >= line:
                 return self.code.targets[at]
@@ -145,7 +145,7 @@ class Instance:
             value["father"] = found if found is not None else missing(kind, OUT_OF_SCOPE, text)
 
     def join(self, identifier: str) -> None:
-        """A library is loaded: what hangs on its data is joined, unless a program has linked it to something else."""
+        """Join the values linked to a loaded library's data, unless a program has linked them elsewhere."""
         library = self.libraries[identifier]
         assert library is not None
         public = {name: each for name, each in library.data.items() if library.loaded.app.data[name].public}

@@ -1,4 +1,4 @@
-"""System inputs, outputs and channels that the data of applications are linked to, as their files say."""
+"""System inputs, outputs and channels that the data of applications are linked to, as defined by their files."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -15,7 +15,7 @@ WRITTEN = re.compile(r"(?:^\s*|\b(?:dio|aio)Set\s*\(\s*)((?:\w+:)?\w+)\s*(?:\[[^
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """variable: what is linked to it, for its name."""
+    """variable: the linked variable, for its name."""
 
     path: str
     output: bool

@@ -22,7 +22,7 @@ ABOUT = 0.1  # so far accel and decel may be off the square of the speed
 
 
 def _percent(text: str | None) -> float:
-    """A field of an mdesc; what is no number is a fault of its own."""
+    """Return a field of an mdesc; an invalid number is reported elsewhere."""
     try:
         return NOMINAL if text is None else float(text)
     except ValueError:
@@ -122,7 +122,7 @@ class Loader:
         self._open_types.append(key)
         made, inside = self.read(folder, own)
         self._open_types.pop()
-        if self._there(folder, own):  # faults of its files, and of what they are made of
+        if self._there(folder, own):  # faults of its files and their content
             _pass_on(inside, faults)
         if made is None:
             faults.error("val3-type", Position(app.project, line), f"'{name}' : there is no application {path}")
@@ -139,7 +139,7 @@ class Loader:
 
     # ---- loading ---------------------------------------------------------------------------------------------------------
     def load(self, folder: str, name: str) -> Loaded | None:
-        """With interfaces and programs; None: there is no such application."""
+        """Load it with interfaces and programs; None: unknown application."""
         key = f"{folder}/{name}".lower()
         if key in self._loaded:
             return self._loaded[key]

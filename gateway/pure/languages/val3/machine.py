@@ -1,6 +1,6 @@
 """Runs an application: tasks in turns, synchronous tasks on the 4 ms grid, life cycle.  Source: VAL 3 reference 2.1, 5.
 
-Time is virtual: each line costs `line_ns`.  Tasks that only wait cost nothing; then time goes on to the next cycle.
+Time is virtual: each line costs `line_ns`.  Tasks that only wait cost nothing; then time advances to the next cycle.
 """
 
 import functools
@@ -156,7 +156,7 @@ class Machine(Controller):
         return 13 if any(getattr(frame.program, "owner", None) is library for task in self.tasks for frame in task.frames) else 0
 
     def _unload(self, library: Instance) -> None:
-        """Another one takes its place (L3945): it goes, and so do the libraries that it alone has."""
+        """Unload a replaced library (L3945), including the libraries that only it uses."""
         self.shared = {key: each for key, each in self.shared.items() if each is not library}
         for variable in sockets_in(list(library.data.values())):
             self.sio.forget(variable)
@@ -221,7 +221,7 @@ class Machine(Controller):
 
     # ---- time ------------------------------------------------------------------------------------------------------------
     def run(self, until: Ns, leap: Ns = 0) -> None:
-        """Up to a moment, or the end of the application.  leap: how far time goes on where all tasks wait, beyond `until` too."""
+        """Run up to a moment, or the end of the application.  leap: how far time advances where all tasks wait, even beyond `until`."""
         while not self.ended and not self.halted and self.clock < until:
             if self.clock >= self.next_tick:
                 self._tick()
@@ -277,7 +277,7 @@ class Machine(Controller):
         began = self.clock
         if task.status == RUNNING:
             self._turn(task, LINES_A_CYCLE)
-            if task.rest < 0 and not self.halted:  # still busy behind the last line
+            if task.rest < 0 and not self.halted:  # still busy after the last line
                 self._failed(task, Rte(33))
         task.due += task.period
         if self.clock - began > task.period:  # the next one is left out (L3397), and each that would begin before this one is over
@@ -289,7 +289,7 @@ class Machine(Controller):
             task.due += task.period
 
     def _slice(self, until: Ns, leap: Ns) -> None:
-        """Lines of the asynchronous task whose turn it is; where all of them wait, time goes on up to `leap`."""
+        """Run lines of the asynchronous task whose turn it is; where all of them wait, time advances up to `leap`."""
         asynchronous = [task for task in self.tasks if not task.period]
         if not asynchronous or self._quiet > len(self.tasks):
             wakes = [task.wake for task in asynchronous if task.wake is not None and task.status == RUNNING]
@@ -306,7 +306,7 @@ class Machine(Controller):
             return
         others = [other for other in asynchronous if other is not task and other.status == RUNNING]
         alone = all(other.wake is not None and other.wake > self.clock for other in others)
-        if alone:  # nobody waits for the end of this turn: it lasts until somebody does
+        if alone:  # no task waits for the end of this turn: it lasts until one does
             until = min([until, *(other.wake for other in others if other.wake is not None)])
         room = max(-(-(until - self.clock) // self.line_ns), 1)
         self.long_turn = alone
@@ -321,7 +321,7 @@ class Machine(Controller):
 
     # ---- lines -----------------------------------------------------------------------------------------------------------
     def _turn(self, task: Task, lines: int) -> tuple[int, bool]:
-        """Up to so many lines; how many, and whether the task has nothing more to do now."""
+        """Run up to `lines` lines; return their number, and whether the task has nothing more to do now."""
         self.current, self.turn, self.left = task, lines, lines
         task.deadline = None
         done = True
@@ -389,7 +389,7 @@ class Machine(Controller):
                 return True
 
     def _fast(self, task: Task) -> int | None:
-        """Plain lines one after the other; what the last one returned, None: no line is left."""
+        """Run plain lines in sequence; return the result of the last one, None: no line is left."""
         frame = task.frames[-1]
         code, v, pc = frame.code, frame.v, frame.pc
         try:

@@ -82,7 +82,7 @@ class Declaration:
 
 @dataclass(slots=True)
 class Parameter:
-    """Of a program.  `reference`: by reference; `whole`: the container, not one value."""
+    """Parameter of a program.  `reference`: by reference; `whole`: the container, not one value."""
 
     name: str
     type_name: str
@@ -135,7 +135,7 @@ class Application:
     resolved: dict[str, UserType] = field(default_factory=dict)
     interfaces: "dict[str, Application | None]" = field(default_factory=dict)
     lost: set[str] = field(default_factory=set)  # data that cannot be read
-    lost_data: bool = False  # a whole file of them
+    lost_data: bool = False  # an entire file of them
     lost_programs: bool = False
     lost_libraries: set[str] = field(default_factory=set)
 

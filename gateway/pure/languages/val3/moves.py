@@ -160,7 +160,7 @@ class Moves:
         return number
 
     def reset(self, start: Sequence[float] | None = None) -> None:
-        """resetMotion: what is queued is dropped."""
+        """resetMotion: drop the queued moves."""
         if self._away is not None:  # the next move begins where the arm is
             self.arm.joints = self.altered.joints = self._away
             self._away, self._back = None, None

@@ -40,7 +40,7 @@ def f_tan(angle: float) -> float:
 
 
 def _neat(value: float) -> float:
-    """About 14 digits (L1531): what is a rounding error of the conversion is taken away."""
+    """Round to about 14 digits (L1531), which removes rounding errors of the conversion."""
     return round(value, 15) if abs(value) < 1e3 else value
 
 

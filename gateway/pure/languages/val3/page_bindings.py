@@ -1,4 +1,4 @@
-"""Bindings that the page editor of s8 writes beside a page, as NAME.bindings.json (AX-1852).  The manual does not have these files."""
+"""Bindings that the page editor of s8 writes next to a page, as NAME.bindings.json (AX-1852).  The manual does not have these files."""
 
 import json
 import re
@@ -16,7 +16,7 @@ DATUM = re.compile(r"(?:(\w+):)?(\w.*)")  # sInfo[0], lib:vPart[2].nCount
 
 
 def bind_from_file(own: Instance, page: str) -> list[str]:
-    """What the file beside a page binds; a sentence for the log for each entry that cannot be bound."""
+    """Apply the bindings file next to a page; return a sentence for the log for each entry that cannot be bound."""
     inside, html = page_place(own.loaded.app.path, page)
     file = html.removesuffix(".html") + ENDING
     data = own.machine.disk.read(f"{inside}/{file}" if inside else file)

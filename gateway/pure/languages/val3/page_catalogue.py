@@ -40,7 +40,7 @@ class _Objects(HTMLParser):
 
 
 def objects_of(page: bytes | None) -> dict[str, str] | None:
-    """Element types of a page by id; None: there is no such page."""
+    """Return element types of a page by id; None: unknown page."""
     if page is None:
         return None
     reader = _Objects()

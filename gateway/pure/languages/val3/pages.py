@@ -1,4 +1,4 @@
-"""User pages as data: what is bound to what, what a page shows, what its events and entries do.  Source: VAL 3 reference 4.1 and 14.2.
+"""User pages as data: bindings, displayed values, effects of events and entries.  Source: VAL 3 reference 4.1 and 14.2.
 
 Nothing is drawn here.  A binding is a variable (container and place) and an attribute of an object of a page.
 """
@@ -82,7 +82,7 @@ class PageBoard:
 
     # ---- instructions ------------------------------------------------------------------------------------------------------
     def load(self, page: str, folder: str = "") -> None:
-        """userPage: what is read once is read now."""
+        """userPage: read the values that are read only once."""
         self.current, self.folder = page, folder
         for binding in self.bindings:
             if binding.page == page and binding.direction in ("r1", "rw1"):
@@ -141,7 +141,7 @@ class PageBoard:
         self.fixed[page, name, attribute] = text.split(",") if attribute == LIST else [text]
 
     def replaced(self, old: Mapping[str, object], new: Mapping[str, object]) -> None:
-        """Data have taken the place of others of the same name and type: what was bound to those is bound to them."""
+        """Rebind objects to data that replaced others of the same name and type."""
         names = {id(container): name for name, container in old.items()}
         bound: list[Binding | Reaction] = [*self.bindings, *self.reactions]
         for each in bound:
@@ -161,7 +161,7 @@ class PageBoard:
         return "; ".join(faults)
 
     def enter(self, page: str, name: str, attribute: str, text: str) -> bool:
-        """An entry; False: nothing of this object can be written, or the text is no such value."""
+        """Process an entry; False: the object is not writable, or the text is not a valid value."""
         found = [each for each in self.bindings if (each.page, each.id, each.attribute) == (page, name, attribute) and each.writes]
         for each in found:
             try:
@@ -175,7 +175,7 @@ class PageBoard:
             self.fixed[page, name, attribute] = [text]
         return bool(found)
 
-    # ---- what is seen ----------------------------------------------------------------------------------------------------------
+    # ---- display --------------------------------------------------------------------------------------------------------------
     def shown(self) -> dict[str, dict[str, dict[str, str]]]:
         """Page -> object -> attribute -> text."""
         found: dict[str, dict[str, dict[str, str]]] = {}

@@ -21,17 +21,17 @@ class Block:
 
     kind: str
     line: int
-    end: int  # label behind it
+    end: int  # label after it
     again: int = 0  # label of the loop's head, or of the next branch
     step: str = ""
     column: int = 1
     default: int = 0  # label of the default branch of a switch
-    spare: bool = False  # opened by `else if` or by a misspelt word, or around such a one: whether it has an end of its own is unknown
+    spare: bool = False  # opened by `else if` or by a misspelt word, or around one: whether it has its own end is unknown
 
 
 @dataclass(slots=True)
 class Code:
-    """A translated program.  pcs: line -> first step at or behind it."""
+    """A translated program.  pcs: line -> first step at or after it."""
 
     text: str
     steps: int

@@ -1,6 +1,6 @@
-"""The frame or tool that a value hangs on as files name it: `fatherId="fBase[2]"`, of a library `fatherId="cell:fPallet[1,0]"`.
+"""The frame or tool to which a value is linked, as named in files: `fatherId="fBase[2]"`, of a library `fatherId="cell:fPallet[1,0]"`.
 
-A library is in memory only after libLoad, and another one may take its place: what hangs on its data is joined again with each load.
+A library is in memory only after libLoad, and another one may replace it: values linked to its data are joined again with each load.
 Until then, and where nothing has that name, the use of the value is a run-time error (80, 82; L3674-3676), never a position in world.
 """
 

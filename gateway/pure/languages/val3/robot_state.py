@@ -13,7 +13,7 @@ NO_DATA = -14  # brakeTest: its data are missing
 
 @dataclass(slots=True)
 class Service:
-    """What the drives and the safety board answer (AX-1061).  brakes: of each axis, a code below 0 for the whole, none: all hold."""
+    """Answers of the drives and the safety board (AX-1061).  brakes: of each axis, a code below 0 for the entire test, none: all hold."""
 
     brakes: tuple[int, ...] = ()
     brake_position: tuple[float, ...] = ()  # in which brakeTest is made; none: in any
@@ -58,7 +58,7 @@ class RobotState:
             self.powered = False
 
     def restart(self) -> None:
-        """setSafetyRestart: a safe restart is no longer waited for."""
+        """setSafetyRestart: stop waiting for a safe restart."""
         if self.estop == SAFE_RESTART:
             self.estop = 0
 

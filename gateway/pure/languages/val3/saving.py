@@ -121,7 +121,7 @@ def _plain(own: Instance, value: object) -> dict[str, object]:
 
 
 def _text(name: str, text: str) -> dict[str, object]:
-    """A text as an attribute; one with characters that XML does not have (STX of a telegram) with its bytes beside it (AX-1737)."""
+    """Return a text as an attribute; if XML lacks its characters (STX of a telegram), add its bytes (AX-1737)."""
     clean = NOT_IN_XML.sub("", text)
     return {name: text} if clean == text else {name: clean, f"{name}Hex": text.encode("utf-8", "replace").hex()}
 

@@ -39,7 +39,7 @@ class Screen:
         self.column, self.line, self.said = column, line, ""
 
     def put(self, text: str) -> None:
-        """At the cursor; what is too long runs on into the next line."""
+        """Write at the cursor; a long text continues in the next line."""
         self.said = (self.said + text)[-COLUMNS * LINES :]
         for letter in text:
             if self.column >= COLUMNS:

@@ -46,7 +46,7 @@ def public_of(secret: str) -> str:
 
 
 def secret_of(public: str) -> str | None:
-    """The ZIP password; None: the text is no VAL 3 password."""
+    """Return the ZIP password; None: the text is not a VAL 3 password."""
     try:
         raw = binascii.unhexlify(public.strip())
     except (ValueError, binascii.Error):

@@ -61,13 +61,13 @@ def f_to_num(text: str, value: Place, report: Place) -> str:
 
 
 def f_chr(code: float) -> str:
-    """ "" for a code that is no character."""
+    """Return the character; "" for an invalid code."""
     whole = math.floor(code + 0.5)
     return chr(whole) if 0 <= whole < 0x110000 and not 0xD800 <= whole < 0xE000 else ""
 
 
 def f_asc(text: str, position: float) -> float:
-    """-1 beside the text."""
+    """Return the code; -1 outside the text."""
     at = math.floor(position + 0.5)
     return float(ord(text[at])) if 0 <= at < len(text) else -1.0
 
@@ -97,19 +97,19 @@ def f_mid(text: str, size: float, position: float) -> str:
 
 
 def f_insert_text(text: str, insertion: str, position: float) -> str:
-    """In front of a place; behind the end: appended."""
+    """Insert before a place; append past the end."""
     at = _whole(position, "position")
     return cut(text[:at] + insertion + text[at:])
 
 
 def f_delete_text(text: str, size: float, position: float) -> str:
-    """Nothing behind the end."""
+    """No effect past the end."""
     at, count = _whole(position, "position"), _whole(size, "size")
     return text[:at] + text[at + count :]
 
 
 def f_replace(text: str, replacement: str, size: float, position: float) -> str:
-    """Nothing behind the end."""
+    """No effect past the end."""
     at, count = _whole(position, "position"), _whole(size, "size")
     return text if at > len(text) else cut(text[:at] + replacement + text[at + count :])
 

@@ -26,7 +26,7 @@ class CompileFault(Exception):
 
 
 class Consequence(CompileFault):
-    """Of a fault that is named elsewhere, in a file or declaration that cannot be read: the line is no fault of its own."""
+    """Consequence of a fault reported elsewhere, in an unreadable file or declaration: the line itself is not at fault."""
 
     def __init__(self) -> None:
         super().__init__("")

@@ -62,7 +62,7 @@ class Callee(Protocol):
         ...
 
     def step_at(self, line: int) -> int:
-        """The first step at or behind a line."""
+        """Return the first step at or after a line."""
         ...
 
 
@@ -130,7 +130,7 @@ class Task:
         self.bytes -= self.frames.pop().bytes
 
     def resume_at(self, skip: int) -> None:
-        """Sets the line to go on with; 90 where there is none."""
+        """Set the line at which to continue; 90 where there is none."""
         frame = self.frames[-1]
         wanted = self.line + skip
         if not 1 <= wanted <= frame.program.code.last_line:

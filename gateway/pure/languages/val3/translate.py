@@ -184,7 +184,7 @@ class ProgramTranslator:
             raise translator.fault(node, "instruction expected")
 
     def _add_ons(self, parser: Expressions) -> str:
-        """Calls of add-ons in a line, wherever they stand: each a warning; the first one, with which the line stops its task."""
+        """Warn of each call of an add-on in a line; return the first one, at which the line stops its task."""
         first = ""
         for token, after in zip(parser.tokens, parser.tokens[1:], strict=False):
             name = f"${after.text}" if token.text == "$" and after.kind == "name" else ""

@@ -1,4 +1,4 @@
-"""Operators and what they are allowed on.  Source: VAL 3 reference, tables of operators L1511-5722 (spec 2.5)."""
+"""Operators and their operand types.  Source: VAL 3 reference, tables of operators L1511-5722 (spec 2.5)."""
 
 from gateway.pure.languages.val3.model import Type, UserType
 

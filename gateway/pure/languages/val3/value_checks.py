@@ -1,4 +1,4 @@
-"""Initial values of data files: what is no value of its type is named at load, with its line.  Source: N01, L954-1000, L2041."""
+"""Initial values of data files: an invalid value of its type is reported at load, with its line.  Source: N01, L954-1000, L2041."""
 
 import math
 import re

@@ -19,7 +19,7 @@ from gateway.pure.languages.val3.syntax import (
 from gateway.pure.languages.val3.typing_rules import ARITHMETIC, ORDER, compare, fits
 
 STRUCTURED = frozenset("trsf frame tool point joint config mdesc".split())
-LITERAL = "{}"  # type of a literal before it is known what it is for
+LITERAL = "{}"  # type of a literal before its use is known
 
 
 class ValueTranslator:
@@ -169,7 +169,7 @@ class ValueTranslator:
         return self.need(value, "bool")
 
     def _alike(self, node: Binary, left: Value, right: Value) -> tuple[Value, Value, Type]:
-        """Both sides as one type; a dio counts as bool, a literal as what is on the other side."""
+        """Return both sides as one type; a dio counts as bool, a literal as the type of the other side."""
         for one in (left, right):
             self._element(one)
         if left.type == LITERAL and right.type != LITERAL:

@@ -28,7 +28,7 @@ class Structure:
         """Takes the values of another; nested structures stay the same objects."""
         for name in self.names():
             mine, given = getattr(self, name), getattr(other, name)
-            if isinstance(mine, Structure) and name != "father":  # what it hangs on is another variable
+            if isinstance(mine, Structure) and name != "father":  # its father is another variable
                 mine.set(given)
             else:
                 setattr(self, name, given)
@@ -317,7 +317,7 @@ Container = list[object] | dict[str, object] | Grid
 
 
 def rounded(index: float) -> int:
-    """An index to the nearest whole number; 21 for a negative one."""
+    """Return an index rounded to the nearest integer; 21 for a negative one."""
     place = math.floor(index + 0.5)
     if place < 0:
         raise Rte(21, f"index {index:g}")

@@ -99,7 +99,7 @@ def _rows(machine: Machine, dims: tuple[int, ...], flat: list[object]) -> list[o
 
 
 def shown(machine: Machine, value: object) -> object:
-    """One value: numbers without a fraction as whole ones, structures by field."""
+    """Return one value: numbers without a fraction as integers, structures by field."""
     match value:
         case float():
             if not math.isfinite(value):

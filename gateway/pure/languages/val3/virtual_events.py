@@ -68,7 +68,7 @@ def happen(machine: Machine, own: Instance, event: Event) -> None:
 
 
 def check_events(machine: Machine, own: Instance, events: Iterable[Event]) -> None:
-    """EventFault for a name that nothing has and a value that means nothing, also of an event behind the end of the run."""
+    """Raise EventFault for an unknown name or an invalid value, also of an event after the end of the run."""
     for event in events:
         kind, _, name = event.what.partition(".")
         if (kind in PLANT and name) or event.what in OPERATOR:
@@ -197,7 +197,7 @@ def _cycles(_: Machine, event: Event) -> int:
 
 
 def board(machine: Machine, name: str, event: Event) -> None:
-    """board.NAME=US: one refresh of a user board takes so long."""
+    """board.NAME=US: duration of one refresh of a user board."""
     _boards(machine).times[name.lower()] = _nanoseconds(machine, event)
 
 
@@ -233,7 +233,7 @@ def brakes(machine: Machine, event: Event) -> None:
 
 
 def _results(machine: Machine, event: Event) -> tuple[float, ...]:
-    """Results of the axes, or the position behind at:."""
+    """Return results of the axes, or the position after at:."""
     word, separator, rest = event.value.partition(":")
     if event.value.lower() == "none":
         return (NO_DATA,)
@@ -391,7 +391,7 @@ def _anything(_: Machine, event: Event) -> str:
     return event.value
 
 
-LINKED = ("dio", "aio", "io", "sio")  # a variable's name means what it is linked to
+LINKED = ("dio", "aio", "io", "sio")  # a variable's name stands for its link
 PLANT: dict[str, Callable[[Machine, str, Event], None]] = {
     "dio": signal,
     "aio": signal,

@@ -33,13 +33,13 @@ def looks_like_input(path: str) -> bool:
 
 
 def last_name(path: str) -> str:
-    """The name behind board and module."""
+    """Return the name without board and module."""
     return path.replace("/", "\\").rpartition("\\")[2]
 
 
 @dataclass(slots=True)
 class VirtualIo:
-    """Points by path; a bare name finds the path that ends so.  boards None: what changes is seen at once."""
+    """Points by path; a bare name finds the path that ends so.  boards None: changes are visible at once."""
 
     points: dict[str, Point] = field(default_factory=dict)
     changes: int = 0
@@ -48,7 +48,7 @@ class VirtualIo:
     _lost: dict[int, tuple[Point, Status]] = field(default_factory=dict)  # invalid by an overrun; status before
 
     def find(self, link: str) -> Point | None:
-        """The point behind a link, as path or last name, in any case."""
+        """Return the point of a link, as path or last name, ignoring case."""
         name = link.replace("/", "\\").lower()
         if (found := self.points.get(name)) is not None:
             return found
@@ -59,7 +59,7 @@ class VirtualIo:
         return None
 
     def declare(self, link: str) -> Point:
-        """The point behind a link; made where there was none."""
+        """Return the point of a link, creating it if missing."""
         found = self.find(link)
         if found is None:
             found = self.points[link.replace("/", "\\").lower()] = Point(link, is_input=looks_like_input(link))

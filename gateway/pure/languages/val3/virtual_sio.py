@@ -1,4 +1,4 @@
-"""Serial lines and sockets of a virtual run: the core is the real one, events play its partners; without events there is no answer."""
+"""Serial lines and sockets of a virtual run: the real core, with events as its partners; without events there is no answer."""
 
 from gateway.pure.controllers.val3.sio.channel import Channel, Kind
 from gateway.pure.controllers.val3.sio.core import SioCore
@@ -45,7 +45,7 @@ class VirtualSio:
         return self.name_of(text) in self._declared
 
     def connect(self, text: str) -> None:
-        """A partner is there: it answers a client, or comes to a server."""
+        """Connect a partner: it answers a client, or connects to a server."""
         name = self.name_of(text)
         self.declare(name)
         self._there.add(name)
@@ -142,7 +142,7 @@ class VirtualSio:
 
     # ---- the network ---------------------------------------------------------------------------------------------------------
     def settle(self) -> None:
-        """Carries out what the core orders; takes what is sent."""
+        """Execute the core's orders; accept the sent data."""
         while orders := self.core.take_orders():
             for order in orders:
                 match order:
@@ -172,7 +172,7 @@ class VirtualSio:
     def _arrive(self, name: str) -> None:
         while self._early.get(name, 0):
             number, _ = self.core.accepted(name, PEER, self.now)
-            if number is None:  # nobody listens yet, or all places are taken
+            if number is None:  # no server listens yet, or all places are taken
                 return
             self._early[name] -= 1
             self.open[number] = name

@@ -9,7 +9,7 @@ DEEPEST = 200
 
 
 class XmlFault(Exception):
-    """The text is no XML the controller would have written."""
+    """The text is not XML that the controller could have written."""
 
     def __init__(self, line: int, text: str) -> None:
         super().__init__(text)

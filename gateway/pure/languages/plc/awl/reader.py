@@ -95,7 +95,7 @@ class Refused:
 
 @dataclass(slots=True)
 class Listing:
-    """Blocks, and what the reader itself could not take."""
+    """Blocks, and the lines that the reader itself refused."""
 
     blocks: list[Block] = field(default_factory=list)
     refused: list[Refused] = field(default_factory=list)

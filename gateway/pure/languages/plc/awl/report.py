@@ -18,7 +18,7 @@ NARROW = "numbers are calculated with 32 bits; STEP 5 has 16: check lines"
 
 @dataclass(slots=True)
 class Imported:
-    """Programs by name, lines that were refused, and what is to be looked at."""
+    """Programs by name, refused lines, and lines to check."""
 
     programs: dict[str, str] = field(default_factory=dict)
     refused: list[Refused] = field(default_factory=list)
@@ -33,7 +33,7 @@ class Imported:
 
 
 def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
-    """The table of words and markers, and the lines that are no row of it."""
+    """Return the table of words and markers, and the lines that are not a row of it."""
     found: dict[str, str] = {}
     wrong: list[str] = []
     for number, line in enumerate(table.splitlines(), 1):

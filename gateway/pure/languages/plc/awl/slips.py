@@ -1,6 +1,6 @@
 """Slips of a reader of print in a statement list: O for 0, l or I for 1, B for 8, `;` for the colon; AX-1830.
 
-Only what no statement can mean is put right; the caller names each change.  All texts here are in capital letters.
+Only text that is not a valid statement is corrected; the caller names each change.  All texts here are in capital letters.
 """
 
 import re

@@ -17,7 +17,7 @@ LOCAL_BYTE, LOCAL_WORD = re.compile(r"LB\s*(\d+)\b"), re.compile(r"L[WD]\s*\d")
 STATUS = re.compile(r"(?:==|<>|>=|<=|>|<)0|OV\b|OS\b|UO\b|BIE\b|BR\b|STW\b")
 CELL = re.compile(r"([TZ])\s*(\d+)\b(?!\.)")
 BYTE = re.compile(r"([EAM])B\s*(\d+)\b")
-OPERAND_LIKE = re.compile(r"\(?\s*(?:[A-Z]{1,3}\s*\d|[=#\"-]|\d|[EAMTZIQFC]\s+\S*[.,]\S)")  # anything else behind a single O is a comment
+OPERAND_LIKE = re.compile(r"\(?\s*(?:[A-Z]{1,3}\s*\d|[=#\"-]|\d|[EAMTZIQFC]\s+\S*[.,]\S)")  # anything else after a single O is a comment
 TABLED = re.compile(r"(?:(D[BX]\s*\d+)\s*\.\s*)?(MW|EW|AW|MD|ED|AD|DW|DL|DR|DD|DBW|DBD|DBB|DBX|D)\s*(\d+(?:\.\d+)?)\b")
 BLOCK = re.compile(r"(OB|PB|FB|FX|SB|FC)\s*(\d+)\b")
 SYMBOL = re.compile(r'"([^"]+)"')
@@ -56,7 +56,7 @@ class Level:
 
 @dataclass(slots=True)
 class Translator:
-    """One block.  `words` gives operands of the source markers of the integrated PLC."""
+    """One block.  `words` maps operands of the source to markers of the integrated PLC."""
 
     block: Block
     words: Mapping[str, str]
@@ -72,15 +72,15 @@ class Translator:
     narrow: list[int] = field(default_factory=list)  # lines whose 16 bits become 32
     _levels: list[Level] = field(default_factory=lambda: [Level()])
     _fresh: bool = True
-    _one: bool = False  # STEP has set the VKE to 1 behind a conditional jump that was not taken
+    _one: bool = False  # STEP has set the VKE to 1 after a conditional jump that was not taken
     _loaded: Kind | None = None
     _data: str = ""  # data block that is open
     _ends: bool = False  # a jump to the end
     _edges: int = 0
     _next: Statement | None = None
-    _rest: list[Statement] = field(default_factory=list)  # the statement and those behind it
+    _rest: list[Statement] = field(default_factory=list)  # the statement and those after it
     _line: int = 0
-    _call: int | None = None  # place of a conditional call behind which no chain has begun
+    _call: int | None = None  # place of a conditional call after which no chain has begun
 
     def run(self) -> str:
         """The program."""
@@ -163,7 +163,7 @@ class Translator:
         if self._levels[-1].single_or:
             self._levels[-1].single_or = False
             if self.lines[-1] == "O(":
-                self.lines.pop()  # O x or O( follows: there is no AND to be kept together
+                self.lines.pop()  # O x or O( follows: no AND has to be grouped
             else:
                 self.lines.append(")")
 
@@ -206,7 +206,7 @@ class Translator:
         return f"{area}{number}"
 
     def _tabled(self, operand: str) -> str | None:
-        """The marker the table gives an operand."""
+        """Return the marker of an operand in the table."""
         if not (found := TABLED.match(operand)):
             return None
         name = found[2] + found[3]
@@ -241,7 +241,7 @@ class Translator:
             self._fresh = False
             return
         if re.match(r"[EAMTZ]\s*\d", operand):
-            self._levels.append(Level(0))  # its end is no mistake of its own
+            self._levels.append(Level(0))  # its end is not a separate mistake
             raise NoCounterpart(f"{word} has no operand; the first link of a bracket is a statement of its own")
         if word not in ("U(", "UN("):
             self._close_or()
@@ -260,7 +260,7 @@ class Translator:
             self.lines += ["XO(", *ONE, ")"]
             return
         word_next = "" if self._next is None else self._next.word
-        family = self._family(word_next) if word_next != ")" else self._use  # the end of a bracket uses what is in it
+        family = self._family(word_next) if word_next != ")" else self._use  # the end of a bracket uses its content
         begun = not self._fresh
         if family not in (self._link, self._bracket):
             self.lines += ONE if word == "SET" else ("U M0.0", "UN M0.0")
@@ -306,7 +306,7 @@ class Translator:
         self._fresh = True
 
     def _edge(self, word: str, operand: str) -> None:
-        """Edges by jumps: behind them the result is that of the edge, and the next statement has to use it."""
+        """Translate edges by jumps: after them the result is that of the edge, and the next statement has to use it."""
         after = self._next and self._next.word
         bit, number = self._operand(operand), self._edges
         if after not in ("=", "S", "R", "SPB", "SPBN", "SPBB", "SPBNB", "CC", "BEB", "ZV", "ZR", *TIMERS) or (
@@ -323,8 +323,7 @@ class Translator:
         self._fresh = True
 
     def _edge_in_a_chain(self, word: str, bit: str) -> None:
-        """An edge that the chain goes on with: results of before and of the edge are kept in two spare bits, and a chain begins with
-        the last one."""
+        """Translate an edge inside a chain: its result and the previous one are kept in two spare bits, and the last one begins a chain."""
         if self._next and self._next.label:
             raise NoCounterpart(f"a jump leads to the statement after {word}, which continues with its result")
         if not self.spare:
@@ -385,7 +384,7 @@ class Translator:
             self.lines.append(CALCULATES[word])
 
     def _reads_second(self) -> bool:
-        """Whether a statement behind this one uses ACCU2 before a load fills it."""
+        """Return whether a later statement uses ACCU2 before a load fills it."""
         for each in self._rest[1:]:
             if each.word == "L" or each.label:
                 return False

@@ -1,4 +1,4 @@
-"""Statements that use an accumulator which a statement in front of them, not translated, would have filled."""
+"""Statements that use an accumulator that an earlier, untranslated statement would have filled."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Accumulators:
     def after(self, statement: Statement, refused: bool) -> int:
         """Takes a statement; the missing line that it uses, 0: none."""
         word, line = statement.word, statement.line if refused else 0
-        if statement.label:  # whoever jumps here has loaded something else
+        if statement.label:  # a jump to here has loaded something else
             self.one = self.two = 0
         if word in LOADS:
             self.two, self.one = self.one, line
@@ -43,7 +43,7 @@ class Accumulators:
 
 
 def unfed(name: str, statements: Collection[Statement], refused: Collection[int]) -> Iterator[str]:
-    """A note for each statement that is translated and uses what a line of `refused` does not give."""
+    """Yield a note for each translated statement that uses a value that a line of `refused` would have supplied."""
     accumulators = Accumulators()
     for statement in statements:
         missing = accumulators.after(statement, statement.line in refused)
