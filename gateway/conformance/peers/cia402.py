@@ -12,6 +12,7 @@ from gateway.conformance.peers.canopen301_parts import Late
 from gateway.conformance.peers.cia402_effects import (
     STEEP,
     absolute_offset,
+    coasts_in_position,
     each_7th_lost,
     halt_unheard_in_homing,
     halt_unshown,
@@ -20,6 +21,7 @@ from gateway.conformance.peers.cia402_effects import (
     mode_shown_only,
     motor_speed,
     moves_during_halt,
+    old_statusword,
     one_sync_late,
     other_sign,
     own_period,
@@ -27,6 +29,7 @@ from gateway.conformance.peers.cia402_effects import (
     relative_queued_to_actual,
     relative_to_actual,
     set_point_by_level,
+    steep_in_position,
     zero_at_reset,
 )
 from gateway.conformance.peers.cia402_states import (
@@ -392,6 +395,15 @@ ROWS: tuple[Row, ...] = (
     _row("one-sync-late", "set values act one SYNC late in CSP", "CSP_BV_03", one_sync_late),
     _row("each-7th-lost", "each seventh set value is lost in CSP", "CSP_BV_04", each_7th_lost),
     _row("register-stays", "1001h stays set after a fault reset", "FLT_BV_11", register_stays),
+    _row("coasts-in-position", "605Ch does not count in profile position", "OPT_BV_16", coasts_in_position),
+    _row("steep-in-position", "605Ah = 2 acts like 1 in profile position", "OPT_BV_15", steep_in_position),
+    _row("old-statusword", "the statusword in TPDO 1 never changes", "PWR_BV_19", says=old_statusword),
+    _row(
+        "no-stop-in-homing",
+        "quick stop does nothing in homing",
+        "HOM_BO_04",
+        _words(lambda drive, word: None if drive.axis.mode.code == 6 and word & 7 == 2 else word),
+    ),
     _row("own-period", "60C2h may be written and does not count", "CSP_BV_04", own_period),
     _row("homing-goes-on", "bit 8 does not count in homing", "HOM_BO_02", halt_unheard_in_homing),
 )

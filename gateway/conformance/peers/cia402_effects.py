@@ -1,14 +1,15 @@
 """CiA 402: drives whose ramps, references, modes and windows are shown or taken, but not in force (used by peers.cia402)."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from drivers.emulator.cia402 import objects as od
 from drivers.emulator.cia402.modes import IMMEDIATELY, NEW_SET_POINT, RELATIVE, CyclicPosition, HomingMode, ProfilePosition
 from drivers.emulator.cia402.states import TARGET, State
-from gateway.conformance.peers.can_devices import Drive, Tune, put
-from protocols.base.machine import ms
+from gateway.conformance.peers.can_devices import NODE, Drive, Tune, put
+from protocols.base.machine import Frame, ms
+from protocols.canopen import cob_id as cobid
 from protocols.canopen.dictionary import Access, Key
 
 STEEP = 50_000_000  # inc/s2
@@ -192,6 +193,28 @@ def register_stays(drive: Drive) -> None:
         return drive.tally
 
     readers[ERROR_REGISTER] = shown
+
+
+def coasts_in_position(drive: Drive) -> None:
+    """605Ch counts as 0 in profile position."""
+    axis = drive.axis
+    leave = axis._leave
+    put(axis, _leave=lambda option, state: leave(0 if axis.mode.code == 1 else option, state))
+
+
+def steep_in_position(drive: Drive) -> None:
+    """605Ah = 2 counts as 1 in profile position."""
+    axis = drive.axis
+    slope = axis._slope
+    put(axis, _slope=lambda option: slope(1 if axis.mode.code == 1 and option == 2 else option))
+
+
+def old_statusword(drive: Drive, frame: Frame) -> Sequence[Frame]:
+    """TPDO 1 always holds the statusword of its first telegram."""
+    if frame.identifier != cobid.tpdo(1, NODE):
+        return [frame]
+    drive.tally = drive.tally or int.from_bytes(frame.data[:2], "little")
+    return [frame._replace(data=drive.tally.to_bytes(2, "little") + frame.data[2:])]
 
 
 def own_period(drive: Drive) -> None:

@@ -26,6 +26,7 @@ from gateway.conformance.peers.rk512_active import (
 )
 from gateway.conformance.peers.rk512_memories import (
     AllAreas,
+    EvenWords,
     EveryTwelfth,
     FirstWordOnly,
     Growing,
@@ -164,6 +165,7 @@ MUTANTS = (
     ),
     _mutant("off-by-one", "writes one word behind", [f"{P}BV_05"], _memory(OffByOne)),
     _mutant("first-word-only", "writes the first word only", [f"{P}BV_05"], _memory(FirstWordOnly)),
+    _mutant("even-words", "loses the last one of an odd number of words", [f"{P}BV_05"], _memory(EvenWords)),
     _mutant("loses-last", "loses the last word of longer jobs", [f"{P}BV_05", f"{P}BV_06"], _memory(LosesLast)),
     _mutant(
         "byte-address",

@@ -72,6 +72,13 @@ class LosesLast(Blocks):
         return super().write(db, word, data[:-2] if len(data) > 16 else data)
 
 
+class EvenWords(Blocks):
+    """The last one of an odd number of words is not written, unless it is alone."""
+
+    def write(self, db: int, word: int, data: bytes) -> ErrorNumber | None:
+        return super().write(db, word, data[:-2] if len(data) > 2 and len(data) % 4 else data)
+
+
 class EveryTwelfth(Blocks):
     """Each twelfth write is lost."""
 

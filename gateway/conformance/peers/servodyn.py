@@ -374,6 +374,8 @@ ROWS: tuple[Row, ...] = (
     ),
     _reports("each-20th", "each 20th actual value is missing", "CYC_TI_01", _every(20)),
     _says("twice-under-control", "two actual values for one SYNC under control", "MOV_BV_13", phase.twice),
+    _reports("code-left", "the fault code is shown again with power", "FLT_BV_04", phase.code_left),
+    _reports("power-dips", "power is shown off when control begins", "PWR_BV_02", phase.power_dips),
     _heard("jumps-back", "backward jumps are followed step by step", "FLT_BV_03", phase.jumps_back),
     _heard("acts-late", "a set position acts one SYNC late", "MOV_BV_12", phase.one_late),
     _reports("latches-late", "its position is that of the SYNC before", "MOV_BV_08", phase.one_before),

@@ -87,6 +87,17 @@ def twice(booster: Booster, frame: Frame) -> Sequence[Frame]:
     return [frame, frame] if booster.axis.state is State.ENABLED and frame.identifier == codec().actual_id(1) else [frame]
 
 
+def code_left(booster: Booster, value: ActualValue) -> ActualValue:
+    booster.tally = value.fault_code or booster.tally
+    return value._replace(fault_code=booster.tally) if value.power_on and not value.fault else value
+
+
+def power_dips(booster: Booster, value: ActualValue) -> ActualValue:
+    begins = value.enabled and not (booster.kept and booster.kept.enabled)
+    booster.kept = value
+    return value._replace(power_on=value.power_on and not begins)
+
+
 def jumps_back(booster: Booster, value: SetValue) -> SetValue:
     """A set position that jumps back is gone to."""
     at = max(value.position_inc, booster.tally - CREEP) if booster.axis.state is State.ENABLED else value.position_inc

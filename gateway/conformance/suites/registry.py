@@ -175,6 +175,7 @@ def _cia402() -> Sequence[Purpose[Tester]]:
         interpolation,
         lasting,
         modes,
+        other_modes,
         positioning,
         power,
         setpoints,
@@ -185,7 +186,7 @@ def _cia402() -> Sequence[Purpose[Tester]]:
         *(power.PWR, lasting.PWR, faults.FLT, lasting.FLT, modes.MOD, lasting.MOD, positioning.POS, lasting.POS, modes.VEL, lasting.VEL),
         *(bounds.FLT, effects.KEPT, effects.WIDE, bounds.POS, setpoints.POS, bounds.VEL, effects.MOTOR, effects.EFFECT),
         *(faults.OPT, effects.OPTIONS, modes.HOM, lasting.HOM, effects.STOPPED, modes.CYC, lasting.CYC, bounds.CYC),
-        *(interpolation.CYC, supply.SUP),
+        *(interpolation.CYC, other_modes.PWR, other_modes.OPT, other_modes.HOM, supply.SUP),
     )
 
 

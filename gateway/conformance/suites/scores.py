@@ -2,11 +2,11 @@
 
 SCORES: dict[str, tuple[int, int]] = {
     "3964r": (121, 121),
-    "rk512": (84, 84),
+    "rk512": (85, 85),
     "modbus-tcp": (103, 103),
     "modbus-rtu": (99, 99),
-    "cia402": (117, 117),
+    "cia402": (121, 121),
     "canopen-301": (155, 155),
-    "servodyn": (86, 86),
+    "servodyn": (88, 88),
     "interop": (51, 51),
 }

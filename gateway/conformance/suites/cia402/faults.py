@@ -313,7 +313,7 @@ OPT = Purposes[NodeTester](
 RAMPED = Particulars(limits="the ramp of the speed and deceleration, 70 to 150 %, and 100 ms")
 
 
-def _ramp(t: NodeTester, speed: int, key: tuple[int, int], what: str) -> None:
+def ramp(t: NodeTester, speed: int, key: tuple[int, int], what: str) -> None:
     with t.given():
         rate = max(t.number(key), 1)
     nominal = round(speed / rate * 1e9)
@@ -338,7 +338,7 @@ def _stops(
                 choose(t, key, option)
                 t.download(rate, max(2 * speed, 1), 4)  # half a second
             control(t, word)
-            _ramp(t, speed, rate, f"{words[0]}, {index:04X}h = {option}")
+            ramp(t, speed, rate, f"{words[0]}, {index:04X}h = {option}")
             reaches(t, end, words[0])
 
 
@@ -394,7 +394,7 @@ def fault_in_motion(t: NodeTester, option: int, rate: tuple[int, int]) -> None:
                 raise Fail("no fault when the master is lost in motion", "fault reaction active", named(status(t)))
             if not option:
                 return t.timed(what, reaches(t, FAULT, what), None, ms(200))
-            _ramp(t, speed, rate, what)
+            ramp(t, speed, rate, what)
             reaches(t, FAULT, what)
 
 

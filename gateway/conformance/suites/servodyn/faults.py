@@ -96,6 +96,10 @@ def reset(t: BoosterTester) -> None:
             t.turn(100)
         t.give(fault_reset=True)
         t.until(lambda actual: actual.ready and not actual.fault and not actual.fault_code, "ready, fault code 0", ms(2000))
+        t.give(fault_reset=False, drive_on=True)
+        found = t.until(lambda actual: actual.power_on, "power on")
+        if found.fault or found.fault_code:
+            raise Fail(f"after the reset and drive on: {words(found)}", "power on, fault code 0", words(found))
 
 
 @FLT.case("BI_01", "without reset the fault stays", "ohne Reset bleibt der Fehler", preamble=(BASIC, REST, ON, LOST))

@@ -29,8 +29,10 @@ def control(t: BoosterTester) -> None:
     with t.powered():
         t.give(enable=True)
         begin = t.now()
-        t.until(lambda actual: actual.enabled, "enabled")
+        found = t.until(lambda actual: actual.enabled, "enabled")
         t.timed("enable to enabled", t.now() - begin, None, ms(8000))
+        if not found.power_on:
+            raise Fail(f"power is not on when control begins: {words(found)}", "enabled and power on", words(found))
         t.stays(lambda actual: actual.enabled and actual.brake_open and actual.power_on, "enabled with the brake open")
 
 
