@@ -90,12 +90,12 @@ class Phase(Enum):
     OFF = auto()
     SWITCHING_ON = auto()
     ENABLED = auto()
-    TO_HOMING = auto()  # 6060h = 6 sent, 6061h awaited
+    TO_HOMING = auto()  # 6060h = 6 sent, waiting for 6061h
     START = auto()  # bit 4 sent: the statusword does not know of it yet
     HOMING = auto()
     AT_HOME = auto()  # attained: the drive's position has jumped to its new zero, 607Ah follows it there
     GIVING_UP = auto()  # bit 4 cleared: the axis decelerates to standstill
-    TO_CSP = auto()  # 6060h = 8 sent, 6061h awaited
+    TO_CSP = auto()  # 6060h = 8 sent, waiting for 6061h
     STOPPING = auto()  # quick stop, then off
     FAULT = auto()
 

@@ -125,7 +125,7 @@ class NodePlan:
 
 @dataclass(frozen=True, slots=True)
 class Booted:
-    """A node that is operational and may be spoken to cyclically."""
+    """A node that is operational and may get cyclic data."""
 
     node: int
     identity: Identity

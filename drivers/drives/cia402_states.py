@@ -1,4 +1,4 @@
-"""The power state machine of a CiA 402 drive as its master sees it.  Source: IEC 61800-7-201, finite state automaton and its tables."""
+"""Master's side of the power state machine of a CiA 402 drive.  Source: IEC 61800-7-201, finite state automaton and its tables."""
 
 from collections import deque
 from enum import Enum, auto

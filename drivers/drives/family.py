@@ -148,7 +148,7 @@ class BusFamily(Protocol):
     @property
     def unconfigured(self) -> int: ...  # axes that are sent nothing yet: their place in the burst is free
     def burst(self, values: Sequence[SetRecord]) -> list[Frame]: ...  # SYNC, set values (by index of the cell), what belongs to the cycle
-    def hear(self, frame: Frame) -> Heard | None: ...  # None: taken, no actual value; DecodeError: no frame of this bus
-    def release(self, node: int, mode: int) -> None: ...  # this node is configured: it may be spoken to cyclically
+    def hear(self, frame: Frame) -> Heard | None: ...  # None: handled, not an actual value; DecodeError: not a frame of this bus
+    def release(self, node: int, mode: int) -> None: ...  # this node is configured: it may get cyclic data
     def hold(self, node: int) -> None: ...  # no longer configured
     def began(self, now: Ns) -> None: ...  # the cycle's first instant

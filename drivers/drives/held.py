@@ -10,7 +10,7 @@ class HeldPosition:
     def __init__(self, jump_inc: int, step_inc: int) -> None:
         self.inc = 0
         self._jump, self._step = jump_inc, step_inc
-        self._fresh = True  # no demanded position taken since it follows the actual one
+        self._fresh = True  # no demanded position accepted since it follows the actual one
         self._refused = False
 
     def follow(self, actual_inc: int) -> None:

@@ -26,8 +26,8 @@ class Phase(Enum):
     ENABLING = auto()  # enable sent; waits for enabled
     RELEASING = auto()  # in control; waits for the brake
     ENABLED = auto()
-    DISABLING = auto()  # enable taken back: the drive stops by its own ramp and closes the brake
-    UNPOWERING = auto()  # drive on taken back
+    DISABLING = auto()  # enable cleared: the drive stops by its own ramp and closes the brake
+    UNPOWERING = auto()  # drive on cleared
     FAULT = auto()
     LOST = auto()
 
@@ -92,7 +92,7 @@ class Drive:
         self._on_before = self._reset_before = True
         self._asked = False  # an edge of `on` that waits for OFF
         self._reset_left = 0
-        self._following = True  # no demanded position taken yet since control began
+        self._following = True  # no demanded position accepted yet since control began
         self._refused = False
         self._life = 0
         self.position_inc = 0  # last actual
@@ -132,7 +132,7 @@ class Drive:
             self._note_edges(demand)  # nothing to note otherwise
         if not isinstance(actual, ActualValue):
             self._miss()
-        elif self.follows and on and actual.enabled and not actual.fault:  # nothing to judge, nothing awaited
+        elif self.follows and on and actual.enabled and not actual.fault:  # nothing to judge, nothing to wait for
             self.missing, self.position_inc, self.torque_permille = 0, actual.position_inc, actual.torque_permille
             self.fault_code, self.warning = actual.fault_code, actual.warning
         else:

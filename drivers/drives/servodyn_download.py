@@ -72,7 +72,7 @@ class Download:
 
     @property
     def state(self) -> DownloadState:
-        """DONE only when every parameter was taken and read back."""
+        """DONE only when every parameter was accepted and read back."""
         if self.error is not None:
             return DownloadState.FAILED
         return DownloadState.RUNNING if self._left else DownloadState.DONE

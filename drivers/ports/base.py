@@ -24,8 +24,8 @@ class BytePort(Protocol):
 
     def fileno(self) -> int: ...  # readable when read() has something
     def read(self) -> list[bytes | Damage]: ...  # in line order; [] when nothing waits; PortError when gone
-    def write(self, data: bytes) -> int: ...  # how many bytes were taken; PortError when gone
-    def unsent(self) -> int: ...  # bytes taken that have not left the line yet
+    def write(self, data: bytes) -> int: ...  # number of bytes accepted; PortError when lost
+    def unsent(self) -> int: ...  # accepted bytes that have not left the line yet
     def close(self) -> None: ...
 
 
@@ -35,7 +35,7 @@ class CanPort(Protocol):
     name: str
 
     def fileno(self) -> int: ...
-    def send(self, frames: Sequence[Frame]) -> int: ...  # how many were taken (in order); PortError when gone
+    def send(self, frames: Sequence[Frame]) -> int: ...  # number of frames accepted (in order); PortError when lost
     def receive(self) -> list[Frame]: ...  # everything that waits, with stamps; PortError when gone
     def receive_next(self) -> list[Frame]: ...  # the same, but some of it may be left for the next call where that is cheaper
     def take_faults(self) -> list[tuple[FrameFault, Ns]]: ...  # error frames since the last call, with their stamps; after receive()

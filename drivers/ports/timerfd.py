@@ -1,6 +1,6 @@
 """A kernel timer as a file descriptor: wakes an epoll at an absolute moment of CLOCK_MONOTONIC, to some 50 us instead of a millisecond.
 
-Python has os.timerfd_create from 3.13 on only; until then the three calls of the C library are taken through ctypes.
+Python has os.timerfd_create from 3.13 on only; until then ctypes calls the three functions of the C library.
 """
 
 import contextlib

@@ -93,7 +93,7 @@ def entry(cell: Cell, axis: Axis, reading: float, at: float, who: str) -> Entry:
 
 
 def append(cell: Cell, line: Entry) -> pathlib.Path:
-    """Kept for good; nothing is ever taken out.  Returns the file.  RetainError: it was not written."""
+    """Permanent; no entry is ever removed.  Returns the file.  RetainError: it was not written."""
     from gateway.runtime.retained import writer as retain
 
     path = retain.path_of(cell)

@@ -92,7 +92,7 @@ class RunPlan:
     programs: Mapping[int, ProgramPlan] = field(default_factory=dict)
     # Shadow: line -> ports that listen to the PLC and the old controller; Modbus server -> capture, address of the old controller.
     taps: Mapping[str, tuple[str, str]] = field(default_factory=dict)
-    stretched: bool = False  # simulated time waits for a machine that is late (AX-681)
+    stretched: bool = False  # simulated time waits for a computer that is late (AX-681)
     tolerances: Mapping[str, float] = field(default_factory=dict)  # of a shadow: positions of an axis so near to one another are equal
 
     @property

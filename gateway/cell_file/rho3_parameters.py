@@ -1,4 +1,4 @@
-"""The rho 3's machine parameters worked into our own tables: P wins, and both set for one thing is a fault naming both.
+"""The rho 3's machine parameters merged into our own tables: P has priority, and setting both for one thing is a fault that names both.
 
 Source of the numbers: rho3 8 (list), 2.3 (P401), 2.9 (direction), users.md 3.5 (b); P205 as a magnitude: AX-124.
 """

@@ -17,7 +17,7 @@ SHOWN = 3  # faults of a data sheet reported one by one
 
 
 def nodes(check: Context) -> None:
-    """The gateway's own number is taken; a data sheet may not map 6040h twice."""
+    """The gateway's own number is occupied; a data sheet may not map 6040h twice."""
     for axis in check.cell.axis:
         if not DRIVE_FAMILIES[axis.drive.type].objects:
             continue

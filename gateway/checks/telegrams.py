@@ -99,7 +99,7 @@ def _one_of(check: Context, key: str, part: TelegramMatch | TelegramPart, words:
 
 
 def matches(check: Context) -> None:
-    """No block may be taken by two telegrams of a line."""
+    """No block may match two telegrams of a line."""
     for line in check.cell.line:
         tables = [(each, table) for each, table in _incoming(check.cell.telegram, line)]
         for number, (telegram, table) in enumerate(tables):

@@ -159,7 +159,9 @@ def _look_first(cell: Cell, bus: str | None, *, simulated: bool) -> None:
 
 
 def clock_of(cell: Cell, arguments: argparse.Namespace, *, simulated: bool) -> tuple[int | None, bool]:
-    """The clock, None: the cell's own; and whether simulated time waits for this machine (AX-681, AX-915).  --p5 and --bus are obeyed."""
+    """The clock, None: the cell's own; and whether simulated time waits for this computer (AX-681, AX-915).  --p5 and --bus
+    are honoured.
+    """
     if not simulated or arguments.p5 is not None or arguments.bus is not None:
         return arguments.p5, False
     return None if realtime_allowed() else max(cell.cycle_ms, SLOW_P5), True

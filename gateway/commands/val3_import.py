@@ -20,7 +20,7 @@ from gateway.runtime.exit_codes import Exit
 from gateway.tools.new_cell.val3_cell import Parts, cell_of, drives_of
 from gateway.tools.usage_language import val3_text
 
-CELLS = {"rx": "cs8", "rs": "scara"}  # family of arms -> shipped cell whose drives and plant are taken
+CELLS = {"rx": "cs8", "rs": "scara"}  # family of arms -> shipped cell whose drives and plant are used
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

@@ -237,7 +237,7 @@ class Cycle:
                 print(f"{bus.url}: {said}", flush=True)
 
     def _await_modules(self, bus: BusLink, family: RhoFamily, axes: int) -> None:
-        """In a stretched simulation: inputs that this machine keeps back.  A module waited for in vain is silent, until it answers."""
+        """In a stretched simulation: wait for inputs that this computer delays.  A module that does not answer is silent until it does."""
         until = time.monotonic_ns() + WAITS_NS
         while bus.port is not None and family.awaited and (left := until - time.monotonic_ns()) > 0:
             select.select((bus.fd,), (), (), left * 1e-9)
@@ -270,9 +270,9 @@ class Cycle:
         frames.clear()
 
     def _gather(self, up: Sequence[BusLink], actuals: list[Actual | None], until: int) -> int:
-        """Actual values in time; in a stretched simulation also those this machine keeps back.  How many are missing.
+        """Actual values in time; in a stretched simulation also those this computer delays.  Returns how many are missing.
 
-        A drive that was waited for in vain is silent, and is not waited for again until all answer.
+        A drive that does not answer is silent, and is not waited for again until all answer.
         """
         missing = self._collect(up, actuals, until)
         if not self._stretched:
@@ -358,7 +358,7 @@ class Cycle:
             self.core.feed(unpack_piece(records[0][1]))
 
     def _take_orders(self) -> list[OrderRecord]:
-        """Orders meant for this very process: an older generation's are dropped (a command is taken once)."""
+        """Orders for this very process: an older generation's are dropped (a command is executed once)."""
         if self.orders.published == self.orders.position:
             return []
         taken = self.orders.take(8)

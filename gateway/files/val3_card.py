@@ -59,7 +59,7 @@ def _of_applications(card: pathlib.Path) -> pathlib.Path:
 
 
 def unpack_card(archive: pathlib.Path, folder: pathlib.Path) -> None:
-    """The ZIP of a card into a new folder; DiskUnreadable, and nothing is left, where a part of it cannot be taken."""
+    """Unpack the ZIP of a card into a new folder; DiskUnreadable, and nothing is left, if a part of it is not acceptable."""
     if folder.exists():
         raise DiskUnreadable(f"{folder} is there already and stays as it is; name another cell file with --out, its folder takes the card")
     try:

@@ -131,7 +131,7 @@ class Metrics:
         return 200 if good else 503, "application/json", json.dumps(facts, ensure_ascii=False) + "\n"
 
     async def serve(self, host: str, port: int) -> asyncio.Server:
-        """OSError: the port is taken."""
+        """OSError: the port is in use."""
         gate = asyncio.Semaphore(CONNECTIONS)
 
         async def one(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:

@@ -36,7 +36,7 @@ class OpcuaOut:
         logging.getLogger("asyncua").setLevel(logging.ERROR)
 
     async def start(self, values: dict[str, Value]) -> None:
-        """Nodes Objects/axisgate/SLUG/name, identifier `ns=N;s=name`.  OSError: the port is taken."""
+        """Nodes Objects/axisgate/SLUG/name, identifier `ns=N;s=name`.  OSError: the port is in use."""
         server = self._server
         await server.init()
         server.set_endpoint(f"opc.tcp://{self._settings.bind}/axisgate")

@@ -44,7 +44,7 @@ class Link:
                 self.close()
                 raise Gone(f"{self.what}: no answer") from error
             except asyncio.CancelledError:
-                self.close()  # its answer must not be taken for the next request's
+                self.close()  # its answer must not be read as the next request's
                 raise
 
     async def _asked(self, request: dict[str, object]) -> Row:

@@ -151,7 +151,7 @@ class PlannerProcess:
         self.region.beat(time.monotonic_ns())
 
     def _look_for_gaps(self) -> None:
-        """A writer that came round has taken statements from us: the streams they may have belonged to are over."""
+        """A writer that lapped us has overwritten statements: the streams they may have belonged to are over."""
         gaps = self.blocks.gaps + (self.lines.gaps if self.lines is not None else 0)
         if gaps > self._gaps:
             self.programs.lost(gaps - self._gaps)

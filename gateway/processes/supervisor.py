@@ -63,7 +63,7 @@ class Running:
     last_life: int = 0
     watch: LifeWatch | None = None
     ending: str = ""  # it was ended for this reason and is not yet dead
-    busy: int = 0  # how often the machine kept it from showing life
+    busy: int = 0  # how often a busy computer kept it from showing life
     busy_reported: int = 0
     output: bytes = b""
     spare_at: int = 0  # not before: a spare that died is not replaced at once
@@ -208,7 +208,7 @@ class Supervisor:
         if count == running.last_life:
             if not running.start.due(now, _pid(running)):
                 return  # a process that has not shown life yet is still starting
-            stamp = running.start.started_ns  # its silence is counted from its start, not from the machine's
+            stamp = running.start.started_ns  # its silence is counted from its start, not from that of the computer
         running.ready = True
         assert running.watch is not None
         alive = running.watch.look(now, count, stamp, self._load(running, now, count, stamp))

@@ -173,7 +173,7 @@ class Recorder:
         self._writer.cycle(cycle, more, sequence)
 
     def _take_outputs(self) -> None:
-        """All of them: those of the cycles just taken were published before."""
+        """All of them: those of the cycles just read were published before."""
         while records := self._rings.scope.take(AT_ONCE):
             for _, record in records:
                 self._outputs.append((int.from_bytes(record[:CYCLE], "little"), record[:-RC_BYTES]))

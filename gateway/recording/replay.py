@@ -138,7 +138,7 @@ def started(segment: Segment, before: Bench, then: Bench, names: Callable[[int],
 
 
 def _set_encoders(kept: Sequence[Sequence[Any]], encoders: Sequence[Mapping[int, Encoder]], belts: CoreBelts) -> None:
-    """As they were; a belt whose encoder has moved to another telegram begins anew."""
+    """As they were; a belt whose encoder has moved to another telegram restarts."""
     for each in encoders:
         for encoder in each.values():
             encoder.belts = belts  # those of the state that was carried over

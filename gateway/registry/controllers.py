@@ -23,7 +23,7 @@ class ControllerKind:
     make: "Callable[[ControllerPlan], tuple[Control, list[str]]]"  # the control, and the faults of its files
     flags: str = ""  # name of its flags in the retained data; "": it has none
     counters: bool = False
-    parameters: bool = False  # machine parameters of [rho3] act in it: processes, pendant, measuring inputs of its boards
+    parameters: bool = False  # machine parameters of [rho3] apply to it: processes, pendant, measuring inputs of its boards
     points: bool = False  # [[controller.point]]
     markers: bool = False  # bytes of the PLC and of the robot that may not overlap
     little: bool = False  # low byte first in operands

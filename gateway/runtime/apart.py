@@ -13,7 +13,7 @@ T = TypeVar("T")
 def apart(work: Callable[[], T]) -> T:
     """The result of `work`, which must be picklable; its output is printed.
 
-    If no copy can be made, or the copy ends without a result, the work is done here: it then fails as it would have anyhow.
+    If no copy can be made, or the copy ends without a result, the work is done here: it then fails in the same way.
     """
     _flush()
     read, write = os.pipe()

@@ -23,7 +23,7 @@ class BoundedFile:
         self._size = os.fstat(self._fd).st_size
         self._torn = False
         self._reason = ""
-        self.lost = 0  # lines, since one was taken
+        self.lost = 0  # lines, since one was accepted
         self.write(head)
 
     def write(self, octets: bytes, lines: int = 1) -> None:

@@ -25,7 +25,7 @@ class Console:
         self._poll = select.poll()
         if self._fd >= 0:
             self._poll.register(self._fd, select.POLLOUT)
-        self._rest = b""  # of a line of which only a part was taken
+        self._rest = b""  # of a line that was only partly accepted
         self._reason = ""
         self._news: list[str] = []
         self.lost = 0  # lines left out since it last took one
@@ -41,7 +41,7 @@ class Console:
                 self._over()
             self._push(whole)
         except OSError as error:
-            if not (self._rest and whole.endswith(self._rest)):  # of this line nothing was taken
+            if not (self._rest and whole.endswith(self._rest)):  # of this line nothing was accepted
                 self._lose(error)
 
     def take_news(self) -> list[str]:

@@ -288,7 +288,7 @@ class RingWriter(_Writer):
         return sequence
 
     def new_generation(self) -> int:
-        """Everything put so far is void for all readers that have not taken it yet; the new generation's number."""
+        """All records so far are void for readers that have not read them yet; returns the new generation's number."""
         generation = self._words[GENERATION] + 1
         self._store(self._words, GENERATION_START + (generation & 1), self._words[PUBLISHED])
         _fence()
@@ -297,10 +297,10 @@ class RingWriter(_Writer):
 
 
 class RingReader(_Mapped):
-    """Takes records in order.  A new reader starts at the end: old records never replay.
+    """Reads records in order.  A new reader starts at the end: old records never replay.
 
-    `position` is the last sequence number taken or skipped, `gaps` counts records lost because the writer came round, `voided` those a new
-    generation made void, `overtaken` the copies thrown away.
+    `position` is the last sequence number read or skipped, `gaps` counts records lost because the writer lapped the reader, `voided` those
+    a new generation made void, `overtaken` the copies discarded.
     """
 
     def __init__(self, fd: int, name: str | None = None, layout: str | None = None) -> None:
@@ -310,7 +310,7 @@ class RingReader(_Mapped):
 
     @property
     def waiting(self) -> int:
-        """Records that are there and not taken."""
+        """Records present and not read."""
         return max(self._words[PUBLISHED] - self.position, 0)
 
     def take(self, limit: int = 64) -> list[tuple[int, bytes]]:

@@ -1,4 +1,4 @@
-"""Whether a process that has shown no life yet may still be starting: a busy machine makes a start long, a hung one is found."""
+"""Whether a process without a sign of life may still be starting: a busy computer prolongs a start, a hung process is detected."""
 
 import contextlib
 from dataclasses import dataclass

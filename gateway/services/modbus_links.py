@@ -31,7 +31,7 @@ class LinkReports:
         self._write(f"device {group.device}, {place(group)}: {f'the read is refused: {words}' if words else 'read again'}")
 
     def written(self, device: str, what: str, words: str) -> None:
-        """How a write was refused; "": it was taken."""
+        """How a write was refused; "": it was accepted."""
         what = f"{device}, {what}"
         if words == self._writes.get(what, ""):
             return

@@ -41,7 +41,7 @@ class Synchronising(Protocol):
 
     @property
     def synchronised(self) -> Mapping[int, Reference]:
-        """Axis -> machine data it was synchronised with last."""
+        """Axis -> machine data of its last synchronisation."""
 
     def was_synchronised(self, known: Mapping[int, Reference]) -> None:
         """Before the first step."""

@@ -64,7 +64,7 @@ class Bridge(Part):
         assert self._wake is not None
         try:
             os.eventfd_read(self._wake)
-        except BlockingIOError:  # a predecessor's wake-up, already taken
+        except BlockingIOError:  # a predecessor's wake-up, already read
             return
         self._on_cycle()
 

@@ -37,7 +37,7 @@ class ToolStreams:
         self._streams = {number: each for number, each in self._streams.items() if each.job.open} | {job.id: _Stream(job)}
 
     def say(self, job: Job, lines: Sequence[str], then: str) -> None:
-        """Statements; then: "finish", nothing follows for the time being, "end", nothing follows.  ValueError: none of them is taken."""
+        """Statements; then: "finish", nothing follows for the time being, "end", nothing follows.  ValueError: none of them is accepted."""
         if not job.open:
             raise ValueError(_over(job))
         if then not in THEN:

@@ -189,7 +189,7 @@ class ShadowCycle(Cycle):
             family.exchange(self._inputs(), core.outputs, now, up=bus.port is not None)
             family.take_news()
         self._take_pieces()
-        services_ns = now if self.links.life[1] else 0  # one that is late is a matter of this machine, not of the cell
+        services_ns = now if self.links.life[1] else 0  # lateness is due to this computer, not to the cell
         values = core.step(self._actuals, self._inputs(), self._take_orders(), services_ns, now)
         self._would_send(values, now)
         core.state.compute_ns = time.monotonic_ns() - now

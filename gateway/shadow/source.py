@@ -142,7 +142,7 @@ class ShadowSource(Rk512Source):
         return self.block_bytes(number) if kind == "D" else self._areas.content(kind, number)
 
     def _known(self, kind: str, number: int, now: Ns) -> None:
-        """From the first time on that a block is spoken of, ours is watched."""
+        """From the first mention of a block on, ours is watched."""
         key = _key(kind, number)
         content = self._content_of(key)
         if content is None:

@@ -23,7 +23,7 @@ from gateway.runtime.supervisor_client import wait_up
 POLL_S = 0.05
 ALIVE_S = 0.25  # reading is not a sign of life: the client in control sends one at this interval
 START_UP_S = 40.0
-UNHURRIED_MS = 8  # clock of a simulation that measures times: a shared machine steals 5 ms now and then
+UNHURRIED_MS = 8  # clock of a simulation that measures times: a shared computer loses 5 ms now and then
 Row = dict[str, object]
 ENDING = (signal.SIGINT, signal.SIGTERM)  # Ctrl-C, and a polite end
 

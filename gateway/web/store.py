@@ -148,7 +148,7 @@ class Store:
         return Role(int(str(rows[0][0]))) if rows else Role.NOBODY
 
     def put_token(self, label: str, role: Role) -> str:
-        """A secret for a script, shown once.  StoreError: the label is taken."""
+        """A secret for a script, shown once.  StoreError: the label is in use."""
         secret = "axg_" + secrets.token_urlsafe(32)
         try:
             self._do("insert into token values (?, ?, ?, ?)", _hashed(secret), label, int(role), wall())

@@ -17,7 +17,7 @@ def ms(value: float) -> Ns:
 
 
 class Damage(Enum):
-    """Why a character (or the line) is spoiled; comes in line order with the bytes."""
+    """Why a character (or the line) is damaged; in line order with the bytes."""
 
     PARITY = auto()
     FRAMING = auto()
@@ -29,7 +29,7 @@ class Machine(Protocol[E_co]):
     """A byte protocol.  No method ever raises on what the partner sends."""
 
     def receive(self, data: bytes, now: Ns) -> Sequence[E_co]: ...  # these bytes came in: return their events
-    def damaged(self, kind: Damage, now: Ns) -> Sequence[E_co]: ...  # a spoiled character, in line order with the bytes
+    def damaged(self, kind: Damage, now: Ns) -> Sequence[E_co]: ...  # a damaged character, in line order with the bytes
     def sent(self, now: Ns) -> Sequence[E_co]: ...  # all you gave me has left the line: answers are due from now
     def wake(self, now: Ns) -> Sequence[E_co]: ...  # time has passed: did anything expire?
     def deadline(self) -> Ns | None: ...  # call wake() then; None: no timer runs

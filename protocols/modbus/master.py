@@ -45,7 +45,7 @@ class _Order:
 
 @dataclass(slots=True)
 class _Poll:
-    """A group's way through its reads: `taken` values so far."""
+    """Progress of a group through its reads: `taken` values so far."""
 
     group: Group
     due: Ns

@@ -51,7 +51,7 @@ Event = Request | Foreign | Closing
 
 
 class Framing:
-    """One connection.  Holds at most one half frame (259 bytes) and the answers not yet taken."""
+    """One connection.  Holds at most one half frame (259 bytes) and the unread answers."""
 
     def __init__(self, receive_limit: Ns = RECEIVE_LIMIT) -> None:
         self._receive_limit = receive_limit

@@ -22,7 +22,7 @@ class Device:
     unit: int = 1
     timeout: Ns = ms(500)  # from the last byte of the request to the answer
     pause: Ns = 0  # after its answer or time-out before its next request
-    retries: int = 2  # after a time-out or a spoiled answer; the first attempt does not count
+    retries: int = 2  # after a time-out or a damaged answer; the first attempt does not count
     busy_retries: int = 20  # after 05 or 06
     busy_pause: Ns = ms(100)
     repeat_writes: bool = True  # False: a write without an answer is never sent again, it may have been done
@@ -65,7 +65,7 @@ class Done:
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """An order was answered by an exception (05 to a write: taken, not finished yet)."""
+    """An order was answered by an exception (05 to a write: accepted, not finished yet)."""
 
     order: int
     device: str

@@ -38,7 +38,7 @@ LineEvent = Request | Dropped
 
 
 class RtuFraming:
-    """One serial line.  Holds at most one frame (256 bytes) and the answer not yet taken."""
+    """One serial line.  Holds at most one frame (256 bytes) and the unread answer."""
 
     def __init__(self, timing: Timing) -> None:
         self._timing = timing

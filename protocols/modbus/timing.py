@@ -18,7 +18,7 @@ class Timing:
     t15: Ns
     t35: Ns
     patience: Ns = 0  # added to t3.5 while a frame is incomplete: adapters and pipes pass bytes on in chunks (AX-344)
-    strict: bool = False  # a gap above t1.5 inside a frame spoils it; only where every byte comes with its own moment (AX-344)
+    strict: bool = False  # a gap above t1.5 inside a frame damages it; only if every byte has its own time (AX-344)
 
     @property
     def quiet(self) -> Ns:

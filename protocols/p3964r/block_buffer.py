@@ -4,7 +4,7 @@ from protocols.base.machine import Ns
 
 
 class BlockBuffer:
-    """`keep_one`: a received block stays until it is taken; otherwise its reader reports whether there is room."""
+    """`keep_one`: a received block stays until it is read; otherwise its reader reports whether there is room."""
 
     def __init__(self, keep_one: bool, wait: Ns, poll: Ns) -> None:
         """`wait`: how long a wish to send waits for room, 0: not at all; `poll`: in which steps room is looked for, 0: at once."""

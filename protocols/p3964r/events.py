@@ -7,7 +7,7 @@ from protocols.p3964r.profiles import Priority
 
 
 class Refusal(Enum):
-    """Why a block was not taken; the first fault found in it."""
+    """Why a block was refused; the first fault found in it."""
 
     GAP = auto()  # silence for the character delay
     ORDER = auto()  # a DLE followed by neither DLE nor the end
@@ -25,7 +25,7 @@ class Failure(Enum):
     SILENT = auto()  # no answer within the acknowledgement delay
     NAK = auto()
     WRONG = auto()  # a character that is neither DLE nor NAK
-    DAMAGED = auto()  # the answer came spoiled
+    DAMAGED = auto()  # the answer was damaged
     CONFLICT = auto()  # gave way to the partner, which then sent no complete block
     BREAK = auto()
     CROWDED = auto()  # too many jobs waiting; the oldest waiting one is dropped
@@ -50,7 +50,7 @@ class BlockReceived:
 
 @dataclass(frozen=True, slots=True)
 class BlockRefused:
-    """A block that was not taken; `data_count` characters of it were received."""
+    """A refused block; `data_count` characters of it were received."""
 
     why: Refusal
     data_count: int

@@ -70,7 +70,7 @@ class Link:
         return len(self._sender.jobs)
 
     def set_buffer_free(self, free: bool, now: Ns) -> None:
-        """False: no block can be taken; STX is answered with silence, then NAK.  True: a waiting STX is answered at once."""
+        """False: no block can be accepted; STX is answered with silence, then NAK.  True: a waiting STX is answered at once."""
         self._receiver.set_free(free, now)
 
     def take_block(self, now: Ns) -> bytes | None:

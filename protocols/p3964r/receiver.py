@@ -86,7 +86,7 @@ class Receiver:
         return at
 
     def _other_than_begun(self, byte: int) -> bool:
-        """The first character after our DLE, where it is a wish again or shows that there was none.  True: it is taken."""
+        """The first character after our DLE, if it repeats the request or shows that there was none.  True: it is handled."""
         if self._guard.not_opened(byte):
             self._close_again(byte)
         elif self._guard.wish_again(byte):
@@ -130,7 +130,7 @@ class Receiver:
             self._broken_pair(byte)
 
     def _collect(self, data: bytes, at: int) -> int:
-        """A run of plain characters up to the next DLE, taken at once; the same as one step for each."""
+        """A run of plain characters up to the next DLE, handled at once; the same as one step for each."""
         end = data.find(DLE_BYTE, at)
         run = data[at:] if end < 0 else data[at:end]
         if 0 <= end < len(data) - 2 and data[end + 1] in ENDS and self._block_check and self._count + len(run) <= self._most:
@@ -191,7 +191,7 @@ class Receiver:
             self._guard.untouched = False
             self.due = now + self._profile.char_delay
             if self._state is CHECK:
-                self._judge(self._check)  # the spoiled character was the check
+                self._judge(self._check)  # the damaged character was the check
             else:
                 self._state = DATA
 
@@ -344,7 +344,9 @@ class Receiver:
                 self._refuse(self._why or Refusal.GAP)
 
     def _quiet_again(self) -> None:
-        """The line has been quiet since the last stray character.  Who took a DLE of ours for a yes waits for an answer to its block."""
+        """The line has been quiet since the last stray character.  A partner that read a DLE of ours as consent waits for an answer to its
+        block.
+        """
         if self._guard.misled or (self._strays and self._profile.stray is Stray.NAK_AFTER_QUIET):
             self._box.say(NAK)
         self._guard.misled = False

@@ -32,7 +32,7 @@ class Remainders:
         self.leaving = False  # our DLE to it has not left
         self.early = False  # this part of the block came in one burst with the STX
         self.opened_in, self.ended_in = -1, -1  # turns of the box: our answer to STX, to the end of a block
-        self.misled = False  # our DLE was sent to a STX that was then not taken as a request
+        self.misled = False  # our DLE was sent to an STX that was then not accepted as a request
         self.waits = False  # the last stray character was STX: a partner that waits for DLE, if nothing follows
         self._passed = b""  # the last two of them
 

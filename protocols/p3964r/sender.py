@@ -67,7 +67,7 @@ class Sender:
         self._done_at: Ns | None = None  # when a block was acknowledged
         self._out = BlockOut(b"", -1, 0)
         self._stx_in = -1  # the turn of STX
-        self._revoked = False  # the first job was taken back by its owner
+        self._revoked = False  # the first job was withdrawn by its owner
         self.overtook = 0  # first job that was sent, with priority, although the partner had sent STX before it; 0: none
 
     @property

@@ -70,7 +70,7 @@ class Failed:
 
 @dataclass(frozen=True, slots=True)
 class Unasked:
-    """A reaction telegram, though none is awaited."""
+    """A reaction telegram, though none is expected."""
 
     head: bytes
 

@@ -1,4 +1,4 @@
-"""Coordination flags of the passive station: set when a job was taken, reset by the program that used it.  Source: VIPA HB97E-CP."""
+"""Coordination flags of the passive station: set when a job was accepted, reset by the program that used it.  Source: VIPA HB97E-CP."""
 
 from protocols.rk512.header import Flag
 

@@ -66,7 +66,7 @@ class Station:
         return self._under_way.count(_Out.REACTION)
 
     def replaced(self) -> None:
-        """The link sends the block taken last in the place of the reaction before it."""
+        """The link sends the latest block instead of the reaction before it."""
         self._under_way.pop()
 
     def take_block(self) -> bytes | None:
@@ -81,7 +81,7 @@ class Station:
         return None
 
     def block_sent(self, now: Ns) -> list[Event]:
-        """The oldest block taken is acknowledged."""
+        """The oldest block passed to the link is acknowledged."""
         if self._under_way.popleft() is _Out.COMMAND:
             return [*self.active.acknowledged(now)]
         self._last = b""

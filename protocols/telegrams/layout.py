@@ -68,7 +68,7 @@ class Received:
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """A block was recognised, but something in it is wrong: nothing of it is taken."""
+    """A block was recognised, but contains a fault: none of its values is used."""
 
     name: str
     why: str

@@ -35,7 +35,7 @@ class Application(Protocol):
 
     def advance(self, now: Ns) -> None: ...  # everything up to now has happened
     def sample(self, now: Ns) -> None: ...  # SYNC: latch the values to be sent
-    def activate(self, now: Ns) -> None: ...  # SYNC: synchronous set values have been taken over
+    def activate(self, now: Ns) -> None: ...  # SYNC: synchronous set values are active
     def connection_lost(self, now: Ns) -> None: ...  # abort connection option code 6007h
     def reset(self, now: Ns) -> None: ...  # NMT reset node
     def changed(self) -> bool: ...  # whether a value of an event-driven TPDO has changed since the last call

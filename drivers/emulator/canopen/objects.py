@@ -10,8 +10,8 @@ from protocols.canopen.dictionary import Entry, Key, ObjectDictionary, fits
 from protocols.canopen.sdo import Abort
 from protocols.canopen.types import Value, decode, encode
 
-Check = Callable[[Value], int]  # abort code or 0, before a value is taken
-Written = Callable[[Value], None]  # after it was taken
+Check = Callable[[Value], int]  # abort code or 0, before a value is accepted
+Written = Callable[[Value], None]  # after it was accepted
 Read = Callable[[], Value]
 
 OK = 0

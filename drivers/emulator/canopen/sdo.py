@@ -20,10 +20,10 @@ class Phase(Enum):
     DOWNLOAD = auto()  # segments come
     UPLOAD = auto()  # segments are fetched
     BLOCK_IN = auto()  # segments of a block come
-    BLOCK_IN_END = auto()  # the last block is in, its end is awaited
-    BLOCK_OUT_START = auto()  # upload initiated, start awaited
-    BLOCK_OUT = auto()  # a block was sent, its acknowledgement is awaited
-    BLOCK_OUT_END = auto()  # end sent, the client's is awaited
+    BLOCK_IN_END = auto()  # the last block is in, waiting for its end
+    BLOCK_OUT_START = auto()  # upload initiated, waiting for the start
+    BLOCK_OUT = auto()  # a block was sent, waiting for its acknowledgement
+    BLOCK_OUT_END = auto()  # end sent, waiting for the client's
 
 
 class SdoServer:

@@ -77,7 +77,7 @@ class Mode:
         """One millisecond of a motion."""
 
     def sync(self, new: bool) -> None:
-        """SYNC, after the synchronous set values were taken."""
+        """SYNC, after the synchronous set values became active."""
 
     def edge(self, edge: Edge) -> None:
         """A switch changed."""

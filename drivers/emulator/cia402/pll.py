@@ -7,7 +7,7 @@ from protocols.base.machine import Ns
 
 LOCK_COUNT = 5  # SYNCs in a row, each in time after the one before, until the loop judges
 LOCK_TRIES = 20  # SYNCs after which it judges in any case
-GAIN_SHIFT = 2  # a quarter of the phase error is taken over at each SYNC
+GAIN_SHIFT = 2  # a quarter of the phase error is corrected at each SYNC
 
 
 class SyncWatch:

@@ -46,7 +46,7 @@ class Counters:
     syncs: int = 0
     set_values: int = 0
     undecodable: int = 0  # set values of wrong length or range
-    out_of_order: int = 0  # stamps before one already handled: taken as that one
+    out_of_order: int = 0  # stamps before one already handled: treated as that one
     late: int = 0  # SYNCs passed in more than P5 after their stamp: the integration catches up
     sync_losses: int = 0
     dropped: int = 0  # telegrams swallowed to order

@@ -27,7 +27,7 @@ class Way(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """The next `count` frames of that way (and identifier) are spoilt."""
+    """The next `count` frames of that direction (and identifier) are corrupted."""
 
     kind: Kind
     way: Way
@@ -42,7 +42,7 @@ class FrameFaults:
     """All orders of one emulator; without any it passes everything through."""
 
     def __init__(self) -> None:
-        self.spoilt = dict.fromkeys(Kind, 0)  # frames spoilt so far
+        self.spoilt = dict.fromkeys(Kind, 0)  # frames corrupted so far
         self.silenced = 0  # frames lost while the controller was quiet
         self._orders: list[Order] = []
         self._late: dict[Way, list[Frame]] = {Way.IN: [], Way.OUT: []}

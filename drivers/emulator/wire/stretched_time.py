@@ -23,7 +23,7 @@ class StretchedTime:
         self.cut_ns: Ns = 0  # lag of simulated time
         self._sync_ids = sync_ids
         self._shortest, self._longest = period_ns - period_ns // JITTER, period_ns + period_ns // JITTER
-        self._last: Ns | None = None  # when the last SYNC came, simulated; None: none is awaited
+        self._last: Ns | None = None  # when the last SYNC came, simulated; None: none is expected
 
     def at(self, now: Ns) -> Ns:
         """The time for the drives."""

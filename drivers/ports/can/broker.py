@@ -150,7 +150,7 @@ class BrokerPort:
         return self._link.socket.fileno()
 
     def send(self, frames: Sequence[Frame]) -> int:
-        """How many were taken, in order, at most 64 in one message; ValueError on a frame that CAN does not have."""
+        """Number of frames accepted, in order, at most 64 in one message; ValueError on a frame impossible in CAN."""
         return self._link.send(pack_records(frames))
 
     def receive(self) -> list[Frame]:
@@ -162,7 +162,7 @@ class BrokerPort:
         return self._frames(self._link.receive(1))
 
     def send_message(self, message: bytes) -> int:
-        """Records packed elsewhere: how many were taken, all or none."""
+        """Records packed elsewhere: number accepted, all or none."""
         return self._link.send((message,))
 
     def frames_in(self, message: bytes) -> list[Frame]:

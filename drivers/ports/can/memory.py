@@ -27,7 +27,7 @@ class MemoryCanPort:
         return self._readable
 
     def send(self, frames: Sequence[Frame]) -> int:
-        """How many were taken; PortError when the other end is closed."""
+        """Number of frames accepted; PortError when the other end is closed."""
         for frame in frames:
             check_frame(frame)
         if self.other is None:

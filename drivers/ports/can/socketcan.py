@@ -30,7 +30,9 @@ NET = Path("/sys/class/net")
 
 
 class SocketCanPort:
-    """CanPort of one interface.  Own frames are not received (others on this machine receive them); error frames come by take_faults()."""
+    """CanPort of one interface.  Own frames are not received (other programs on this computer receive them); error frames come by
+    take_faults().
+    """
 
     not_data = CONTROL  # flags of frames that receive() leaves out; see drivers.ports.can.remote_frames
 
@@ -63,7 +65,9 @@ class SocketCanPort:
         return self._socket.fileno()
 
     def send(self, frames: Sequence[Frame]) -> int:
-        """How many were taken, in order; the others are counted as refused (ENOBUFS: the interface's queue is full; EAGAIN: its own)."""
+        """Number of frames accepted, in order; the others are counted as refused (ENOBUFS: the interface's queue is full;
+        EAGAIN: its own).
+        """
         for frame in frames:
             check_frame(frame)
         for taken, frame in enumerate(frames):

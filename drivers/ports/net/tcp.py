@@ -58,7 +58,7 @@ class TcpPort:
         return [data]
 
     def write(self, data: bytes) -> int:
-        """How many bytes were taken."""
+        """Number of bytes accepted."""
         before = time.monotonic_ns()
         try:
             count = self._socket.send(data)

@@ -48,7 +48,7 @@ class TlsPort(TcpPort):
                 raise self._gone(OSError(errno.ECONNRESET, "closed by the partner"))
 
     def write(self, data: bytes) -> int:
-        """How many bytes were taken."""
+        """Number of bytes accepted."""
         try:
             return self._tls.send(data)
         except (ssl.SSLWantReadError, ssl.SSLWantWriteError):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from drivers.ports.serial.line_format import FF, escape, mark
 from protocols.base.machine import Damage, Ns
 
-PENDING_LIMIT = 4096  # characters taken from a sender and not yet on the line; beyond it the sender's pty fills, as a UART's buffer would
+PENDING_LIMIT = 4096  # characters read from a sender and not yet on the line; beyond it the sender's pty fills, as a UART's buffer would
 
 
 class Fault(Enum):
@@ -38,7 +38,7 @@ class Delivery(NamedTuple):
 
 @dataclass(slots=True)
 class Chance:
-    """Every character is spoiled with this probability; the same seed spoils the same characters."""
+    """Every character is damaged with this probability; the same seed damages the same characters."""
 
     fault: Fault
     probability: float
@@ -68,12 +68,12 @@ class Direction:
 
     @property
     def waiting(self) -> int:
-        """Characters taken and not yet on the line."""
+        """Characters read and not yet on the line."""
         return len(self._pending)
 
     @property
     def full(self) -> bool:
-        """Nothing more is taken from the sender for now."""
+        """Nothing more is read from the sender for now."""
         return len(self._pending) >= PENDING_LIMIT
 
     def offer(self, data: bytes, now: Ns) -> None:
@@ -102,11 +102,11 @@ class Direction:
         return self._spoil(data, first)
 
     def spoil_next(self, fault: Fault, n: int = 1) -> None:
-        """The n-th character from now on (1 = the next one to leave) is spoiled."""
+        """The n-th character from now on (1 = the next one to leave) is damaged."""
         self._planned[self.count + n] = fault
 
     def spoil_some(self, fault: Fault, probability: float, seed: int) -> None:
-        """From now on every character is spoiled with this probability."""
+        """From now on every character is damaged with this probability."""
         self._chance = Chance(fault, probability, seed)
         self._random = seed * 2 + 1
 

@@ -66,7 +66,7 @@ class DescriptorPort:
             return False
 
     def write(self, data: bytes) -> int:
-        """How many bytes were taken."""
+        """Number of bytes accepted."""
         # The moment before, not afterwards: the reader may run at once while this process waits, and the line is never that late.
         before = time.monotonic_ns() if self.char_ns else 0
         try:

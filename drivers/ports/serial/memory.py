@@ -51,7 +51,7 @@ class MemoryPort:
         return self._peer._take(data)
 
     def damage(self, kind: Damage) -> None:
-        """The other end receives a spoiled character."""
+        """The other end receives a damaged character."""
         if self._peer is not None:
             self._peer._put(kind)
 
@@ -60,7 +60,7 @@ class MemoryPort:
         return 0
 
     def close(self) -> None:
-        """The other end learns it; twice does no harm."""
+        """The other end is informed; a second call is harmless."""
         if self._event < 0:
             return
         if self._peer is not None:

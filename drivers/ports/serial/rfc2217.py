@@ -65,7 +65,7 @@ class Rfc2217Port:
         return [data]
 
     def write(self, data: bytes) -> int:
-        """All of it is taken: a block is at most a few hundred bytes."""
+        """All of it is accepted: a block is at most a few hundred bytes."""
         before = time.monotonic_ns()
         try:
             self._serial.write(data)

@@ -74,7 +74,7 @@ class Peers:
         return inodes
 
     def _of_pty(self, number: int) -> set[int]:
-        """Who holds its master; of a cable, which holds more masters, those at their other ends too."""
+        """Programs that have its master open; for a cable, which has several masters, those at their other ends too."""
         masters: dict[int, set[int]] = {}
         slaves: dict[int, set[int]] = {}
         for pid, link, details in self._links():

@@ -275,8 +275,9 @@ class Runner:
 
 
 def ordered(purposes: Sequence[Purpose[Tester]], seed: int | None) -> list[Purpose[Tester]]:
-    """Purposes that others start from come first, each behind those it starts from itself, then early ones; the rest as written, or
-    shuffled; those that switch the supply last: a device that loses its settings with it would fail in all others."""
+    """Purposes on which others depend come first, each after those it depends on itself, then early ones; the rest as written, or shuffled;
+    those that switch the supply last: a device that loses its settings with it would fail in all others.
+    """
     needed = {before for purpose in purposes for before in purpose.preamble}
     known, placed = {purpose.id: purpose for purpose in purposes}, dict[str, Purpose[Tester]]()
 

@@ -210,7 +210,7 @@ def always_operational(drive: Drive) -> None:
 
 
 def stays_stopped(drive: Drive) -> None:
-    """Start is not taken in state stopped."""
+    """Start is ignored in state stopped."""
     node = drive.node
     enter = node._enter
 

@@ -22,7 +22,7 @@ LOST = 0x8130
 
 # ---- SDO
 class SecondToggle(SdoServer):
-    """The toggle bit counts in the first segment only: a segment that comes twice is taken twice."""
+    """The toggle bit counts in the first segment only: a repeated segment is accepted twice."""
 
     def handle(self, request: bytes, now: Ns) -> list[bytes]:
         if self._phase is Phase.DOWNLOAD and self._data and request[0] >> 5 == sdo.Request.DOWNLOAD_SEGMENT:
@@ -228,7 +228,7 @@ def _made_valid(item: Pdo) -> None:
 
 
 def no_wrap(drive: Drive, frame: Frame) -> Sequence[Frame]:
-    """A SYNC counter that begins again with 1 is taken for an error."""
+    """A SYNC counter that restarts with 1 counts as an error."""
     if frame.identifier != cobid.SYNC:
         return [frame]
     before, drive.tally = drive.tally, frame.data[0] if frame.data else 0

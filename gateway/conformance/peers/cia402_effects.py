@@ -1,4 +1,4 @@
-"""CiA 402: drives whose ramps, references, modes and windows are shown or taken, but not in force (used by peers.cia402)."""
+"""CiA 402: drives whose ramps, references, modes and windows are shown or accepted, but not in force (used by peers.cia402)."""
 
 import itertools
 from collections.abc import Callable, Sequence

@@ -117,7 +117,7 @@ class Tires(Device):
 
 
 class NoiseKills(Device):
-    """Five spoiled frames end its service."""
+    """Five damaged frames end its service."""
 
     _bad = 0
 
@@ -190,14 +190,14 @@ class RefusesBroadcast(Device):
 
 
 class SkipsDamage(Device):
-    """A damaged character is left out, and the rest taken."""
+    """A damaged character is dropped, and the rest accepted."""
 
     def damaged(self, kind: Damage, now: Ns) -> Sequence[object]:
         return []
 
 
 class MuteAfterDamage(Device):
-    """Two seconds after a damaged character it does not hear."""
+    """Ignores everything for two seconds after a damaged character."""
 
     _until: Ns = 0
 

@@ -35,7 +35,7 @@ class OnceToo(Receiver):
 
 
 class CheckOfDle(Receiver):
-    """A check of 10h is taken for the start of a pair."""
+    """A check of 10h counts as the start of a pair."""
 
     def _judge(self, check: int) -> None:
         super()._judge(check ^ 0xFF if check == Char.DLE else check)
@@ -261,7 +261,7 @@ class DleInIdle(Receiver):
 
 
 class StrayOpens(Receiver):
-    """Any character in idle is taken for STX."""
+    """Any character in idle counts as STX."""
 
     def hear(self, data: bytes, at: int, now: Ns) -> int:
         if self._state is Hearing.IDLE and data[at] not in (Char.STX, Char.NAK, Char.DLE):

@@ -237,7 +237,7 @@ def _wrong_way(booster: Booster, value: SetValue) -> SetValue:
 
 
 def _no_set_value(booster: Booster, frame: Frame) -> Sequence[Frame]:
-    """A SYNC without a set value since the last one: enable counts as taken back."""
+    """A SYNC without a set value since the last one: enable counts as cleared."""
     if frame.identifier == SET:
         booster.tally = 1
     elif frame.identifier == SYNC_ID:

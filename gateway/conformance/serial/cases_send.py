@@ -252,7 +252,7 @@ def _both_low(bench: Bench) -> None:
     got = bench.answer(bench.profile.ack_delay)
     if got != Char.DLE:
         raise Fail(said("both without priority, after our STX: {}, expected DLE", named(got)))
-    bench.say(DLE)  # taken for the first character of our block
+    bench.say(DLE)  # it counts as the first character of our block
     bench.expect_at(Char.NAK, bench.profile.char_delay, "DLE in place of a block")
 
 

@@ -124,7 +124,7 @@ def run_case(bench: Bench, case: Case, clean: bool = True) -> Result:
 
 
 def _quiet(bench: Bench, quiet: Ns | None) -> None:
-    """Accept what an earlier test left over; a station that never falls silent is judged all the same."""
+    """Accept what an earlier test left over; a station that never falls silent is still judged."""
     try:
         bench.settle(quiet)
     except Inconclusive:

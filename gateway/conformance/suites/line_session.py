@@ -40,7 +40,7 @@ class LineSession:
         seed: int,
         witness: Witness | None,
     ) -> None:
-        """rk512: spoken for certain, not looked at (False), or found out (None)."""
+        """rk512: supported for certain, not tested (False), or to be discovered (None)."""
         self.wire, self._bench, self._rk512, self._say = wire, bench, bool(rk512), say
         self._both = rk512 is None
         self._witness = witness

@@ -67,7 +67,7 @@ class Counters:
     foreign: int = 0  # frames of another protocol identifier; on a line: for other units
     closed: Counter[Why] = field(default_factory=Counter)
     dropped: Counter[str] = field(default_factory=Counter)  # on a line: frames that were none
-    stalled: int = 0  # closed because answers were not taken
+    stalled: int = 0  # closed because answers were not read
     idle: int = 0
     view_faults: int = 0  # a view or the callback raised: our own mistake, answered with 04
     last_view_fault: str = ""

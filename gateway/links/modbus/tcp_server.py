@@ -107,7 +107,7 @@ class ModbusServer:
         return [connection.client for connection in self._connections]
 
     def unsent_bytes(self) -> int:
-        """Answers in this process that partners have not taken yet."""
+        """Answers in this process that partners have not read yet."""
         return sum(connection.unsent_bytes() for connection in self._connections)
 
     async def start(self) -> None:
@@ -258,7 +258,7 @@ class _Connection(asyncio.BufferedProtocol):
         return 0 if self._transport is None else self._transport.get_write_buffer_size()
 
     def drop(self) -> None:
-        """Ends the connection without waiting for answers to be taken."""
+        """End the connection without waiting until answers are read."""
         if self._transport is not None:
             self._transport.abort()
 

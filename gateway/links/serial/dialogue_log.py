@@ -45,7 +45,7 @@ def _missing(lines: int, reason: str) -> bytes:
 
 
 class Journaled(Generic[E]):
-    """The same machine, written down.  Neither a full disk nor a folder that cannot be written ends the line."""
+    """The same machine, logged.  Neither a full disk nor a read-only folder ends the line."""
 
     def __init__(
         self, machine: Machine[E], out: Lines, name: str, settings: dict[str, str], clock: Callable[[], Ns] = time.monotonic_ns

@@ -27,7 +27,7 @@ class LineCounters:
     opened: int = 0
     lost: int = 0  # the open port went away
     refused: int = 0  # attempts to open that failed
-    machine_faults: int = 0  # exceptions out of a machine: our mistake, the line is started afresh
+    machine_faults: int = 0  # exceptions out of a machine: an internal error, the line restarts
     listener_faults: int = 0  # exceptions out of a listener: an internal error too; the line continues
     latest_wake_ns: Ns = 0  # worst lateness of a deadline
 
@@ -71,7 +71,7 @@ class LineCore(Generic[E]):
         self.state.counters.refused += 1
 
     def disconnect(self, why: str, now: Ns) -> None:
-        """Closes the port, notifies the machine.  The loop stops watching it before."""
+        """Close the port, notify the machine.  The loop must stop watching it before."""
         if self.port is None:
             return
         port, self.port = self.port, None

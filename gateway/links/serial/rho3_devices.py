@@ -120,7 +120,7 @@ class Rho3Lines:
             runner.kick()
 
     def _call(self, action: Callable[[LineManager, Ns], int]) -> asyncio.Future[Finished]:
-        """Its end is awaited before anything is reported: a refused call is over at once."""
+        """Wait for its end before anything is reported: a refused call is over at once."""
         call: asyncio.Future[Finished] = asyncio.get_running_loop().create_future()
 
         def begin(manager: LineManager, now: Ns) -> None:

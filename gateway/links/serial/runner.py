@@ -42,11 +42,11 @@ class LineRunner(Generic[E]):
         return self._core.state
 
     def kick(self) -> None:
-        """Call after giving the machine something to do; also from inside on_event."""
+        """Call after queueing work at the machine; also from inside on_event."""
         self._guarded(self._core.pump)
 
     def close(self) -> None:
-        """Calls `lost` of the machine, releases port and timer; twice does no harm."""
+        """Call `lost` of the machine, release port and timer; a second call is harmless."""
         if self._closed:
             return
         self._closed = True

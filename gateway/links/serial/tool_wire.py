@@ -24,7 +24,7 @@ LAST_CHARACTERS = ms(2000)  # longest wait for them at the end
 
 @dataclass(frozen=True, slots=True)
 class Heard:
-    """One character, or a spoiled one."""
+    """One character, or a damaged one."""
 
     stamp: Ns
     what: int | Damage

@@ -129,7 +129,7 @@ class SioRunner:
             return code
 
     def close(self) -> None:
-        """Everything back; twice does no harm."""
+        """Release everything; a second call is harmless."""
         self.end_application()
         for opener in self._openers.values():
             opener.cancel()

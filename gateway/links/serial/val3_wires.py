@@ -25,9 +25,9 @@ class Wire(Protocol):
 
     def fileno(self) -> int: ...
     def read(self, room: int) -> list[Heard]: ...  # [] when nothing waits; OSError when gone
-    def write(self, data: bytes) -> int: ...  # how many bytes were taken; OSError when gone
+    def write(self, data: bytes) -> int: ...  # number of bytes accepted; OSError when lost
     def configure(self, channel: Channel) -> None: ...  # parameters have changed
-    def unsent(self) -> int: ...  # taken, and not out yet
+    def unsent(self) -> int: ...  # accepted, and not out yet
     def close(self) -> None: ...
 
 

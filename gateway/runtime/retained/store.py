@@ -1,7 +1,7 @@
 """The file of retained data: SQLite (WAL, synchronous FULL), one transaction a write: after any death it holds the old or the new state.
 
 Two tables: `value` (group.name -> the last value) and `history` (kind, JSON record; the newest of each kind are kept).  Every row
-carries a CRC: a spoiled page SQLite itself does not notice is named and left out (AX-424).
+carries a CRC: a corrupted page that SQLite itself does not detect is named and left out (AX-424).
 """
 
 import json
@@ -46,13 +46,13 @@ class RetainFile:
         self.path, self._connection = path, connection
 
     def values(self) -> tuple[dict[str, Value], list[str]]:
-        """All values, and the names of rows that are spoiled.  RetainError."""
+        """All values, and the names of corrupted rows.  RetainError."""
         rows = self._rows("SELECT name, data, crc FROM value")
         good = {str(name): data for name, data, crc in rows if crc == _crc(str(name), data)}
         return good, [str(name) for name, _, _ in rows if str(name) not in good]
 
     def history(self, kind: str) -> list[Record]:
-        """Records of a kind, oldest first; spoiled ones are left out.  RetainError."""
+        """Records of a kind, oldest first; corrupted ones are left out.  RetainError."""
         rows = self._rows("SELECT data, crc FROM history WHERE kind = ? ORDER BY id", kind)
         return [json.loads(str(data)) for data, crc in rows if crc == _crc(kind, data)]
 

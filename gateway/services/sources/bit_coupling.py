@@ -73,7 +73,7 @@ class CouplingAreas:
         return b"".join(bytes((block.number, block.count)) + block.data.ljust(REMOTE_MOST, b"\0") for block in blocks)
 
     def received(self, data: bytes) -> ErrorNumber | None:
-        """DB 22: one block; the frame is taken with its last one, a hole forgets it."""
+        """DB 22: one block; the frame is accepted with its last one, a gap discards it."""
         rho = self._image.coupled
         if rho is None or len(data) != BLOCK_BYTES:
             return ErrorNumber.BLOCK

@@ -30,7 +30,7 @@ from gateway.runtime.life import BEAT_S
 from gateway.simulation.bus.log import LogPipe
 
 QUEUE_FRAMES = 16_384  # of one subscriber: 1.8 s of a full 1 Mbit/s bus (9009 frames/s)
-MESSAGES_PER_TURN = 64  # taken from one sender before the others get their turn
+MESSAGES_PER_TURN = 64  # read from one sender before the others get their turn
 SEND_BUFFER = 1 << 18
 UCRED = struct.Struct("=iII")  # pid, uid, gid: unix(7), SO_PEERCRED
 
@@ -101,7 +101,7 @@ class Broker:
         self._numbers = 0
         self._sequence = 0
         self._start_ns = time.monotonic_ns()
-        self._out: list[tuple[Client, bytes, int]] = []  # taken in this turn: from whom, records, how many
+        self._out: list[tuple[Client, bytes, int]] = []  # read in this turn: sender, records, how many
         self.counters = {"frames": 0, "malformed": 0, "overflows": 0, "overflow_frames": 0, "connects": 0, "disconnects": 0}
         self._epoll = select.epoll()
         self._epoll.register(listener, select.EPOLLIN)

@@ -91,7 +91,7 @@ def make(arguments: argparse.Namespace, listener: socket.socket, log: LogPipe | 
 
 
 def main(argv: list[str] | None = None) -> int:
-    """0 after SIGTERM; 2 command line, 3 the name is taken or the file cannot be written."""
+    """0 after SIGTERM; 2 command line, 3 the name is in use or the file cannot be written."""
     arguments = _arguments(argv)
     if arguments.die_with_parent:
         die_with_parent()

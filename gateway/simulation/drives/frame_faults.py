@@ -1,4 +1,4 @@
-"""Commands to an emulator process that spoil frames; the same socket and form as gateway.simulation.drives.control.
+"""Commands to an emulator process that damage frames; socket and form as in gateway.simulation.drives.control.
 
     {"do": "drop", "way": "in", "id": 100, "count": 3}              three SYNCs do not come
     {"do": "delay", "way": "in", "id": 100, "ms": 1.5}              one SYNC comes late

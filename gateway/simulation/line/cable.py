@@ -62,7 +62,7 @@ class Side:
             return False
 
     def remove(self) -> None:
-        """Hangs up the program that has the pty open; twice does no harm."""
+        """Hang up the program that has the pty open; a second call is harmless."""
         if not self.inserted:
             return
         with contextlib.suppress(FileNotFoundError):

@@ -50,11 +50,11 @@ class LineControl:
         return self._stamp(do="insert", side=side)
 
     def damage(self, sender: str, kind: str = "parity", next: int = 1) -> Ns:
-        """The `next`-th character that leaves side `sender` from now on is spoiled: parity, framing, overrun, break, flip, drop."""
+        """The `next`-th character that leaves side `sender` from now on is damaged: parity, framing, overrun, break, flip, drop."""
         return self._stamp(**{"do": "damage", "from": sender, "kind": kind, "next": next})
 
     def damage_some(self, sender: str, kind: str, probability: float, seed: int = 0) -> Ns:
-        """Every character of side `sender` is spoiled with this probability, the same ones for the same seed."""
+        """Every character of side `sender` is damaged with this probability, the same ones for the same seed."""
         return self._stamp(**{"do": "damage", "from": sender, "kind": kind, "probability": probability, "seed": seed})
 
     def calm(self) -> Ns:

@@ -61,7 +61,7 @@ def main(argv: list[str] | None = None) -> int:
             control = ControlSocket(str(folder / f"line-{wanted.name}.sock"), line, carry_out)
             stack.callback(control.close)
             stack.callback(line.close)
-            control.open()  # claims the name; PortError if it is taken
+            control.open()  # claims the name; PortError if it is in use
             line.open()
         except OSError as error:
             print(f"line {wanted.name}: {error.args[-1] if isinstance(error, PortError) else error}", file=sys.stderr)

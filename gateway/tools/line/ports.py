@@ -88,7 +88,7 @@ class SelectPort:
         self._port.close()
 
     def _at_the_cable(self, kind: str) -> bool:
-        """A simulated cable can be ordered to spoil a character; other ptys cannot."""
+        """A simulated cable can be ordered to damage a character; other ptys cannot."""
         from gateway.simulation.line.control import LineControl
 
         name, _, side = os.path.basename(self._url.removeprefix("pty:")).rpartition("-")

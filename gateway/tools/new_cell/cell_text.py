@@ -1,6 +1,6 @@
-"""A commented cell file out of a few answers: it passes `check` and plays under `run --sim` as it is.
+"""A commented cell file from a few answers: it passes `check` and plays under `run --sim` as it is.
 
-Nothing in it moves metal: `target` is "simulation" until its owner has filled [safety] and set "machine".
+Nothing in it moves a real drive: `target` is "simulation" until its owner has filled [safety] and set "machine".
 """
 
 from collections.abc import Mapping

@@ -128,7 +128,7 @@ def life_guarding(t: NodeTester) -> None:
 # ---- the master's heartbeat
 @contextmanager
 def watched_master(t: NodeTester) -> Iterator[None]:
-    """Node 126 is watched, and its heartbeat was received; the errors are taken back afterwards."""
+    """Node 126 is watched, and its heartbeat was received; the errors are cleared afterwards."""
     with t.kept(CONSUMER):
         with t.given():
             t.download(CONSUMER, MASTER << 16 | SUPERVISED_MS, 4)

@@ -97,7 +97,7 @@ def in_its_time(t: NodeTester) -> None:
 
 
 def _ends_of_half(t: NodeTester) -> tuple[int, int]:
-    """Positions just behind a SYNC and half a cycle later."""
+    """Positions just after a SYNC and half a cycle later."""
     begin = t.now()
     before = position(t)
     t.pause(begin + t.period // 2 - t.now())

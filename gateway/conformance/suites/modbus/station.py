@@ -157,7 +157,7 @@ def damaged(t: ModbusTester) -> None:
     clause="serial line guide V1.02, 2.5.1.1",
 )
 def serves_on(t: ModbusTester) -> None:
-    """The silence behind it ends the frame: what follows is a new one."""
+    """The silence after it ends the frame: what follows is a new one."""
     function, at = next(iter(t.setup.base.items()), (3, 0))
     pdu = struct.pack(">BHH", function, at, 1)
     frame = t.frame(pdu)

@@ -148,7 +148,7 @@ def same_priority(t: LineTester) -> None:
     both_wish(t)
     got = t.answer(t.conflict_wait)
     if got == Char.DLE:
-        t.say(DLE)  # as a partner without priority: it is taken for the first character of our block
+        t.say(DLE)  # as a partner without priority: it counts as the first character of our block
         t.expect_at(Char.NAK, t.profile.char_delay, "DLE in place of a block")
         return
     if got is not None:

@@ -13,7 +13,7 @@ MOMENTS = (b"", b"U", b"U\x10", b"U\x10\x03")
 
 
 def works_again(t: LineTester, what: str) -> None:
-    """Judged: a good block is taken, soon enough after the supply returned."""
+    """Judge: a good block is accepted, soon enough after the supply returned."""
     until = t.wire.now() + t.power.back
     while True:
         try:

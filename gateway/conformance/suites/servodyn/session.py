@@ -60,7 +60,7 @@ class BoosterSession:
         return pics
 
     def _find(self) -> None:
-        """Who answers SYNC?"""
+        """Find a module that answers SYNC."""
         tester, codec = self.tester, self.setup.codec
         places = {codec.actual_id(axis): axis for axis in codec.axes}
         tester.say(SYNC.identifier)
