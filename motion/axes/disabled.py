@@ -18,7 +18,7 @@ MOST = 20
 
 @dataclass(slots=True)
 class DisabledAxes:
-    """All axes of the control, numbered from 0; made anew by a start-up, and only by it."""
+    """All axes of the control, numbered from 0; only a start-up creates it anew."""
 
     axes: int
     _disabled: list[bool] = field(init=False)

@@ -1,4 +1,4 @@
-"""The chain of timed pieces a follower runs: those that count, and the tail that comes in until it ends at rest."""
+"""The chain of timed pieces that a follower runs: the committed ones, and the tail that is received until it ends at rest."""
 
 from collections import deque
 from dataclasses import dataclass, field

@@ -15,7 +15,7 @@ ARRIVED = 1e-12  # of the length: nothing left to go
 
 
 class Goal(Enum):
-    """Where the plan under way leads; all but SLOW end at rest."""
+    """Where the current plan leads; all but SLOW end at rest."""
 
     NONE = auto()  # at rest, no plan
     END = auto()  # end of the piece

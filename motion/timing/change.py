@@ -1,4 +1,4 @@
-"""How the share of full speed changes: in each period the strongest lawful step.
+"""How the share of full speed changes: in each period by the largest legal step.
 
 omega = dtau/dt is the share of full speed, u = d omega/dt, c = du/dt.  |omega| <= 1 with u = 0 is lawful anywhere, because full speed
 is; so u is lawful as long as it can be brought back to 0 in time: what lies ahead limits it (motion.timing.foresight).

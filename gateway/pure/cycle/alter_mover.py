@@ -20,7 +20,7 @@ class AlterMover(Mover):
 
     @property
     def free(self) -> bool:
-        """Neither a path nor a part of another kind is under way."""
+        """Return whether neither a path nor a part of another kind is running."""
         return super().free and not self.alter.on
 
     @property
@@ -41,7 +41,7 @@ class AlterMover(Mover):
 
     @property
     def bound(self) -> bool:
-        """An alterable part is under way."""
+        """Return whether an alterable part is running."""
         return self.alter.on or super().bound
 
     def leave(self) -> bool:

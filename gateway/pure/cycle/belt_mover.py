@@ -24,7 +24,7 @@ class BeltMover(Mover):
 
     @property
     def free(self) -> bool:
-        """Neither a path nor a synchronous part is under way."""
+        """Return whether neither a path nor a synchronous part is running."""
         return self.stepper.state is State.IDLE and self.belts.free
 
     def set_override(self, value: float) -> None:
@@ -47,7 +47,7 @@ class BeltMover(Mover):
 
     @property
     def bound(self) -> bool:
-        """A synchronous part is under way, or SYNC waits."""
+        """Return whether a synchronous part is running or SYNC waits."""
         return not self.belts.free or self.belts.awaits or super().bound
 
     def leave(self) -> bool:

@@ -106,7 +106,7 @@ class CoreBelts:
 
     @property
     def shown(self) -> Belt:
-        """The belt under way, or the first one."""
+        """The belt of the running part, or the first one."""
         return self.all.all[self.order.belt if self.order is not None else 0]
 
     def act(self, order: ActOrder) -> None:
@@ -147,7 +147,7 @@ class CoreBelts:
 
     @property
     def free(self) -> bool:
-        """No part is under way."""
+        """Return whether no part is running."""
         return self.order is None
 
     def synchron(self, order: SynchronOrder, q: Sequence[float]) -> None:
@@ -203,7 +203,7 @@ class CoreBelts:
 
     @property
     def running(self) -> bool:
-        """A block of type 2 or 3 is under way."""
+        """Return whether a block of type 2 or 3 is running."""
         return self._way.in_phase(Phase.RUNNING)
 
     def stop(self) -> BeltFault | None:

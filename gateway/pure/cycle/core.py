@@ -281,7 +281,7 @@ class CycleLogic:
 
     @property
     def starved(self) -> bool:
-        """A program is under way, the axes rest, and more has to come from the planner, or an input."""
+        """Return whether a running program waits at rest for the planner or an input."""
         return any(lane.mover.starved for lane in self.lanes)
 
     def _stop(self, reason: Reason, mask: int = EVERY_AXIS) -> None:
@@ -353,7 +353,7 @@ class CycleLogic:
             lane.mover.accept()
 
     def _go_round(self) -> None:
-        """At rest, and with nothing under way: no path counts on the old numbers."""
+        """Bring endless axes of resting lanes back into their modulo: no path depends on the old numbers."""
         for lane in self.lanes:
             if not (lane.mover.busy or lane.homings.under_way) and self._endless.look(lane.holds):
                 lane.mover.accept()

@@ -58,7 +58,7 @@ class Homings:
                 self._judge_drive(axis)
 
     def look(self) -> None:
-        """Once a cycle: is it still under way?"""
+        """Update once a cycle whether a reference run is still under way."""
         self.under_way = self.job != 0 or any(axis.run is not None or axis.by_drive for axis in self._own)
 
     def _step_run(self, axis: HeldAxis, actual: Actual | None) -> None:

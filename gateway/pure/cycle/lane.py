@@ -47,7 +47,7 @@ class Lane:
 
     @property
     def busy(self) -> bool:
-        """A path, a program or a reference run is under way, or not yet at its end."""
+        """Return whether a path, a program or a reference run is not yet at its end."""
         return self.mover.busy or self.homings.under_way or self.homings.job != 0
 
     @property

@@ -95,7 +95,7 @@ class CoreMeasure:
 
     @property
     def on(self) -> bool:
-        """A part with an input is under way."""
+        """Return whether a part with an input is running."""
         return self._until is not None
 
     @property

@@ -63,12 +63,12 @@ class PathMover:
 
     @property
     def busy(self) -> bool:
-        """A path or a program is under way, or not yet at its end."""
+        """Return whether a path or a program is not yet at its end."""
         return self.running != 0 or self.program.job != 0 or self.stepper.state is not State.IDLE
 
     @property
     def starved(self) -> bool:
-        """A program is under way, the axes rest, and more has to come from the planner, or an input."""
+        """Return whether a running program waits at rest for the planner or an input."""
         return (self.program.waits or self.start.on) and self.stepper.state is State.IDLE
 
     def all_enabled(self, mask: int) -> bool:
@@ -126,7 +126,7 @@ class PathMover:
     # ---- orders to a stream -------------------------------------------------------------------------------------------
     @property
     def bound(self) -> bool:
-        """The part under way leads along more than its path: it can be ended, and not held."""
+        """Return whether the running part follows more than its path: it can be ended but not held."""
         return False
 
     def hold_path(self, reason: Reason) -> None:

@@ -8,7 +8,7 @@ from gateway.pure.image.records.planner import AHEAD
 from motion.execution.follower import HISTORY
 from motion.execution.timed import TimedPiece
 
-SEEN_S = 0.0129  # a piece so short at most is over, where it is under way: the planner sees the axes a period late or so
+SEEN_S = 0.0129  # longest piece that counts as completed while it runs: the planner sees the axes about a period late
 LAST_S = 0.1  # of a path: a piece nearer to its end may have been the last one seen
 UNSEEN = 100  # turns after which pieces count as run that the cycle was never seen on: they were shorter than a turn
 

@@ -1,4 +1,4 @@
-"""A program under way in the planner: everything that begins anew with the next one."""
+"""A program in the planner: all state that is reset for the next one."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -72,7 +72,7 @@ class Job:
 
     @property
     def closed(self) -> bool:
-        """Nothing belongs to the part under way any more."""
+        """Return whether the current part accepts no further block."""
         return self.ended or (self.trial.begun and not self.open)
 
     @property
@@ -87,7 +87,7 @@ class Job:
         return not self.under_way.holds(block) if self.under_way is not None and altered else apart(block)
 
     def close(self) -> None:
-        """Something else follows the part under way."""
+        """End the current part: another part follows it."""
         if self.open and isinstance(self.planner, Planner):
             self.planner.finish()
         self.open = False

@@ -40,7 +40,7 @@ class Reading:
         return self._now is None
 
     def stop(self) -> None:
-        """The one under way is not read on; what waits may belong to another job."""
+        """Stop reading the current one; waiting statements may belong to another job."""
         self._now = None
 
     def forget(self) -> None:

@@ -103,7 +103,7 @@ class Trial:
 
     @property
     def begun(self) -> bool:
-        """Parts are looked at by themselves from here on."""
+        """Return whether parts are tried separately from here on."""
         return self._route is not None
 
     def ending(self, planner: Planner, block: Block | None = None, member: int = 0) -> Work[None]:
@@ -256,7 +256,7 @@ class Trial:
         return bool(self.later)
 
     def anew(self) -> "Trial":
-        """All that was looked at is under way or over."""
+        """Return a new trial: all tried blocks are running or completed."""
         return Trial(self.belts, self.files, self.program, streams=self.streams, _armed=self._armed)
 
     def begins_at(self, robots: Machine | Team, position: Sequence[float], blocks: int) -> None:

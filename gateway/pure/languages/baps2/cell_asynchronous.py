@@ -75,7 +75,7 @@ class CellAsynchronous:
             self.turn()
 
     def turn(self) -> None:
-        """Each of these stretches goes with the share of the block that is under way."""
+        """Run each of these stretches with the share of the current block."""
         for robot, slowed in list(self._slowed.items()):
             stretch = slowed.stretch
             share = 1.0 if stretch.passed >= slowed.last else self._share(slowed)

@@ -30,7 +30,7 @@ class CellFiles:
         self._card = NO_CARD
 
     def again(self) -> None:
-        """The services have begun anew: all of it."""
+        """Report everything again: the services have restarted."""
         self._out.clear()
         self._lists.clear()
         self._listed, self._keys, self._due, self._card = (), True, 0, (-1, 0)  # also that there is no card

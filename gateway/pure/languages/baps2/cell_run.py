@@ -175,7 +175,7 @@ class CellRun(CellMotion):
             self.stop(task, "stopped")
 
     def stop_all(self, now: Ns) -> None:
-        """Nothing runs any more, and no order is under way: the services have begun anew."""
+        """Stop all processes and orders: the services have restarted."""
         self.pendant.files.again()
         for run in list(self._runs):
             self.stop_run(run, now)

@@ -17,7 +17,7 @@ class FeedFault(Exception):
 
 @dataclass(frozen=True, slots=True)
 class UnitFeed:
-    """A device: its protocol (1..8) and what comes in: (moment, bytes)."""
+    """A device: its protocol (1..8) and its received data: (moment, bytes)."""
 
     protocol: int = 5
     incoming: tuple[tuple[int, bytes], ...] = ()

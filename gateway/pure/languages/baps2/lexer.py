@@ -147,7 +147,7 @@ def _unknown(text: str, at: int, position: Position, words: Words, faults: Fault
         end = text.find("\n", at)
         faults.error("text-without-end", position, "this text has no closing quote on its line")
         end = end if end >= 0 else len(text)
-        return end - at, Token(Kind.TEXT, text[at + 1 : end], position)  # a value all the same
+        return end - at, Token(Kind.TEXT, text[at + 1 : end], position)  # still a value
     if text.startswith("(*", at):
         faults.error("comment-without-end", position, "this comment has no closing *)")
         return len(text) - at, None

@@ -240,7 +240,7 @@ class Mistakes:
     # ---- recovery
 
     def tried(self, name: Callable[[], str]) -> str:
-        """A name; "" where it is missing, which is reported: its construct is read all the same."""
+        """Read a name; "" where it is missing, which is reported: its construct is still read."""
         try:
             return name()
         except Misread:

@@ -33,7 +33,7 @@ class Stretch:
     over: bool = False
     passed: int = 0
     fault: RuntimeFault | None = None
-    dry: Ns | None = None  # since when nothing is under way
+    dry: Ns | None = None  # since when no block is running
 
 
 @dataclass(slots=True)
@@ -135,7 +135,7 @@ class Path:
                 self.port.end(job)
 
     def ended(self, ticket: int, fault: RuntimeFault | None) -> Stretch | None:
-        """The order is over; the stretch it was, if it is the one under way."""
+        """End the order; return its stretch if it is the current one."""
         stretch = self.now
         if stretch is None or stretch.ticket != ticket:
             return None
@@ -174,7 +174,7 @@ class Paths:
 
     @property
     def stretches(self) -> list[Stretch]:
-        """Those that are asked for, or under way."""
+        """The current stretches, waiting or running."""
         return [path.now for path in self._all if path.now is not None]
 
     def look(self) -> None:

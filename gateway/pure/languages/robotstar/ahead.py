@@ -224,7 +224,7 @@ class Ahead:
 
     # ---- interruptions
     def rests(self, places: tuple[float, ...]) -> None:
-        """The program was stopped with nothing under way."""
+        """Keep the axes at which the program was stopped, if no block was running."""
         self.rested = () if self.items else self.arm.own(places)
 
     def goes_on(self, places: tuple[float, ...], tool: Structure | None) -> None:
@@ -247,7 +247,7 @@ class Ahead:
             item.stretch, item.index = None, 0
 
     def _shorten(self, block: Block) -> None:
-        """What is left of the one under way."""
+        """Shorten the current block to its remainder."""
         here = self.arm.actual(self.interrupted, block.go.tool)
         if block.through is not None:
             through = block.through

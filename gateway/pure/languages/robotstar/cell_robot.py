@@ -184,7 +184,7 @@ class CellRobot(Robot):
     # ---- what shows ------------------------------------------------------------------------------------------------------
     @property
     def moving(self) -> bool:
-        """Whether a way is under way."""
+        """Return whether a movement is running."""
         return self.state is State.RUNNING and self.ahead.under_way() is not None
 
     def place(self) -> tuple[str, int]:

@@ -188,7 +188,7 @@ class CellRun:
         self._over(error)
 
     def stop_all(self, now: Ns) -> None:
-        """The services have begun anew: the program is stopped, no order is under way."""
+        """Stop the program and drop its orders: the services have restarted."""
         self._at(now)
         self.robot.stop(now)
         if self.path.now is not None:

@@ -53,7 +53,7 @@ def wrong_kind(step: Step, kind_of: Callable[[str], str]) -> str:
 
 
 def _wrong_test(step: Step, kind_of: Callable[[str], str]) -> str:
-    """Of #VARIABLE: a bit of what is no integer, a structure, a text beside a number."""
+    """Return the fault of #VARIABLE: a bit of a non-integer, a structure, a text compared with a number."""
     if getattr(step.slots["area"], "name", "") != "VARIABLE":
         return ""
     if step.word == "TEST_BIT":

@@ -85,7 +85,7 @@ def _is_equate(text: str, wanted: set[str], words: Words) -> bool:
 
 
 def operands(text: str) -> str:
-    """Brackets of an index, - or a blank for _, a blank behind a sign, a point for the comma behind a whole number."""
+    """Correct brackets of an index, - or a blank for _, a blank after a sign, a point for the comma after an integer."""
     text = _OPEN_LOST.sub(r"\1[\2]", text)
     text = _ROUND.sub(r"\1[\2]", text)
     text = _CLOSE_LOST.sub(r"\1]", text)

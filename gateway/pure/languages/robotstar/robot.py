@@ -355,7 +355,7 @@ class Robot:
     # ---- what shows ------------------------------------------------------------------------------------------------------
     @property
     def moving(self) -> bool:
-        """Whether a way is under way."""
+        """Return whether a movement is running."""
         return self.state is State.RUNNING and isinstance(self.machine.request, Go)
 
     @property

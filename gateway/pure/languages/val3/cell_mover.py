@@ -294,6 +294,6 @@ class StreamMover:
             self._path.release(self)
 
     def forget(self) -> None:
-        """The services have begun anew, and know no stream."""
+        """Forget the stream: the services have restarted and know none."""
         self._path.drop()
         self._wait_again()

@@ -157,7 +157,7 @@ class CellRun:
         machine.stop()
 
     def stop_all(self, now: Ns) -> None:
-        """The services have begun anew: for the control that is a start, and nothing runs."""
+        """Handle a restart of the services: for the control this is a start, and nothing runs."""
         if self._moves is not None:
             self._moves.mover.forget()
         if self.machine is not None:

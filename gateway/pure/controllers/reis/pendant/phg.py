@@ -56,7 +56,7 @@ class Phg:
         self._seen = ("", 0)  # program and step of the control that the cursor followed last
         self._chosen = False  # another program or step than the control's: START selects it
 
-    # ---- what comes in -----------------------------------------------------------------------------------------------------
+    # ---- inputs -----------------------------------------------------------------------------------------------------------
     def see(self, view: View) -> None:
         """The cell now: the cursor follows the program that is executed (L1206)."""
         self.view = view

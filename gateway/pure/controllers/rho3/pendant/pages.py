@@ -60,7 +60,7 @@ class Source(Protocol):
         """Save to the EEPROM, load from there; why it is refused at once."""
 
     def memory_outcome(self, what: str) -> str | None:
-        """What became of it; None: under way, or not ordered."""
+        """Return its outcome; None: still running, or not ordered."""
 
     def entered(self, mode: Mode) -> int:
         """A mode is selected; the row it begins with."""

@@ -200,7 +200,7 @@ class Line:
 
     def _release(self) -> None:
         if self.owner is not None and not self.owner.wanted:
-            self._out.clear()  # what an aborted output had prepared; nothing is left of one that is over
+            self._out.clear()  # blocks that an aborted output had prepared; a completed one has none
         if self._driver is not None:
             self._driver.active = False
         self.owner, self._reader = None, None

@@ -10,7 +10,7 @@ from gateway.pure.controllers.pic_image import PicImage
 from gateway.pure.image.addresses import Direction, RcBit
 
 EXPANDED, NORMAL = 88, 46  # bytes (L11081)
-BOARD_IN, BOARD_OUT = 8, 5  # bytes of the board 64/40; a smaller board reserves them all the same (L7760-7767)
+BOARD_IN, BOARD_OUT = 8, 5  # bytes of the board 64/40; a smaller board still reserves them (L7760-7767)
 REMOTE_MOST = 48  # bytes per transmission over a field bus (L11711)
 FLAG_INDEX, IO_INDEX = 0x100, 0x2A0  # CL400 index addresses of M 0 and IO 0 (K15AH = M 90, K2C8H = IO 40)
 

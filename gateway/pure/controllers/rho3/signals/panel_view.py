@@ -84,7 +84,7 @@ class PanelView:
         return ""
 
     def memory_outcome(self, what: str) -> str | None:
-        """What became of it; None: it is under way, or not ordered."""
+        """Return its outcome; None: still running, or not ordered."""
         control = self._control
         ordered, ticket = control.memory.ordered
         return control.hosted.answers.get(ticket) if control.hosted is not None and ordered == what else None
