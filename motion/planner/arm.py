@@ -42,7 +42,7 @@ class Arm:
 
     # ---- what an interpreter calls ---------------------------------------------------------------------------------------
     def add(self, block: Block | Shared) -> int:
-        """Queue a block; its number.  Raises BlockError."""
+        """Queue a block and return its number.  Raise BlockError."""
         self._quiet = 0
         return self.planner.add(block)
 

@@ -38,7 +38,7 @@ class Mover(Protocol):
     """What carries the moves out: planner and stepper."""
 
     def add(self, block: Block) -> int:
-        """Queue a block; its number.  Raises BlockError when it cannot be run."""
+        """Queue a block and return its number.  Raise BlockError when it cannot be run."""
         ...
 
     def finish(self) -> None:
@@ -167,7 +167,7 @@ class MotionStack:
         self._begin_connection(start, here)
 
     def connects(self, path: Sequence[float], here: Sequence[float]) -> Connection:
-        """Return whether a connection move from here to the path runs automatically or waits for the operator."""
+        """Return how a connection move from here to the path starts: automatically or on the operator's permission."""
         limits = self.following_error or [0.0] * len(here)
         distance = max((abs(a - b) / e if e > 0 else 2.0) for a, b, e in zip(path, here, limits, strict=True))
         alone = connects_by_itself(self.mode, distance, 1.0, self.auto_connect)

@@ -406,7 +406,7 @@ class ReisPrograms:
         return {"error": f"{name or self._name}: {wrong}"} if wrong else {"run": self.run}
 
     def _breakpoints(self, name: str, lines: object) -> dict[str, object]:
-        """Set the steps before which the program stops."""
+        """Set the steps before which the program stops; return the answer."""
         if not isinstance(lines, list) or not all(isinstance(line, int) for line in lines) or len(lines) > MOST_BREAKS:
             return {"error": f"breakpoints: lines = at most {MOST_BREAKS} numbers of lines"}
         if all(row["name"] != name for row in self.programs):

@@ -34,7 +34,7 @@ class Scheduler:
     _numbers: int = 0
 
     def start(self, program: str, begin: "Callable[[Process], None]", priority: int = 0, parent: Process | None = None) -> Process:
-        """Add a process; `begin` sets its body."""
+        """Add a process and return it; `begin` sets its body."""
         self._numbers += 1
         process = Process(self._numbers, program, priority, parent)
         begin(process)

@@ -87,7 +87,7 @@ class IoBus:
         return InputLevel(bool(self.image[byte] >> bit & 1), entry.changed_ns) if entry.heard and entry.error is None else None
 
     def receive(self, frame: Frame, now: Ns) -> list[IoError]:
-        """Process one frame of the bus; frames of others (drives, SYNC) are ignored."""
+        """Process one frame of the bus and return its errors; frames of others (drives, SYNC) are ignored."""
         entry = self._by_id.get(frame.identifier)
         if entry is None:
             return self._foreign(frame.identifier)

@@ -55,7 +55,7 @@ class Connection:
         return self.writers[0].left() if self.writers and self.state is State.OPEN else b""
 
     def took(self, count: int) -> list[AnyCall]:
-        """Record that the channel accepted `count` bytes of `output()`."""
+        """Record that the channel accepted `count` bytes of `output()`; return the calls that end with them."""
         return [self.writers.popleft()] if self.writers and self.writers[0].took(count) else []
 
     def expire(self, now: int) -> list[AnyCall]:

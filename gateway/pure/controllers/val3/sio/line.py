@@ -149,7 +149,7 @@ class Line:
             self.orders.append(Open(self._shared.number, self.channel))
 
     def opened(self, connection: Connection) -> list[AnyCall]:
-        """Continue the calls that waited for it."""
+        """Mark the connection open; return the calls that waited for it."""
         if connection.state is not State.OPENING:
             return []
         connection.state, self._retry_at = State.OPEN, None
