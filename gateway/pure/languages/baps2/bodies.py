@@ -40,7 +40,10 @@ from gateway.pure.languages.base.near import hint_of
 from gateway.pure.languages.base.source import Position
 
 REAL_CHECKED = "(t if -3.4028235e+38 <= (t := {}) <= 3.4028235e+38 else real_overflow())"
-MOST_LOOPS = 16  # Python allows 20
+MARKS = (Label, Instruction)
+WITHOUT_LINE = (*MARKS, Block)
+FREQUENT = (Set, Move, Wait)  # that hold no other statements
+MOST_LOOPS = 16  # Python takes 20
 
 
 class Bodies:
@@ -111,7 +114,7 @@ class Bodies:
         followed, before = [False] * len(rows), False
         for place in range(len(rows) - 1, -1, -1):
             followed[place] = before
-            before = before if isinstance(rows[place], Label | Instruction) else isinstance(rows[place], Move)
+            before = before if isinstance(rows[place], MARKS) else isinstance(rows[place], Move)
         for statement, self.before_move in zip(rows, followed, strict=True):
             self.one(statement)
 
@@ -126,19 +129,21 @@ class Bodies:
 
     def one(self, statement: Statement) -> None:
         """One statement."""
-        self._look()
+        if self.out.too_deep:
+            self._look()
         outer, self._at = self._at, statement.at
         try:
             self._one(statement)
         except RecursionError:
             self._too_complex()
-        self._look()
+        if self.out.too_deep:
+            self._look()
         self._at = outer
 
     def _look(self) -> None:
-        """Report a statement whose text Python cannot compile."""
-        if self.out.too_deep():
-            self._too_complex()
+        """Reports a statement whose text Python cannot take."""
+        self.out.too_deep = False
+        self._too_complex()
 
     def _too_complex(self) -> None:
         if self._at is not None:
@@ -146,7 +151,7 @@ class Bodies:
 
     def _one(self, statement: Statement) -> None:
         self.function.count += 1
-        if not isinstance(statement, Label | Instruction | Block) and (statement.at.line != self.function.line or self.included):
+        if not isinstance(statement, WITHOUT_LINE) and (statement.at.line != self.function.line or self.included):
             self.function.line = statement.at.line
             self.out.add(f"p.line = {statement.at.line}")
             if self.included:
@@ -189,7 +194,7 @@ class Bodies:
 
     def _flow(self, statement: Statement) -> bool:
         """Statements that hold others or jump; False: it is none of them."""
-        if isinstance(statement, Set | Move | Wait):  # the most frequent ones
+        if isinstance(statement, FREQUENT):
             return False
         match statement:
             case Label(name=name):

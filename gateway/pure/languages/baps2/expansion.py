@@ -29,14 +29,16 @@ class _Expansion:
     def expand(self, source: SourceFile) -> None:
         """Adds the tokens of a file; an included file in the place of its instruction, without its END token."""
         self.rows[source.name] = source.text.splitlines()
-        add = self.tokens.append
-        for token in tokens_of(source, self._words, self._faults):
+        tokens = tokens_of(source, self._words, self._faults)
+        first = 0
+        for place, token in enumerate(tokens):
             if token.kind is Kind.INSTRUCTION:
                 word, _, name = token.text.partition(";")[0].strip().partition(" ")
                 if word.upper() == "INCLUDE":
+                    self.tokens += tokens[first:place]
                     self._include(source, name.strip(" =:"), token.position)
-                    continue
-            add(token)
+                    first = place + 1
+        self.tokens += tokens[first:]
         if source.included_from is not None:
             self.tokens.pop()
 

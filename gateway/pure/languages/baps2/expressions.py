@@ -11,7 +11,8 @@ from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, M
 T = TypeVar("T")
 LEVELS = {"OR": 0, "AND": 1, **dict.fromkeys(("=", "<>", "<", ">", "<=", ">="), 3), "+": 4, "-": 4, "*": 5, "/": 5, "MOD": 5}
 NOT_LEVEL, COMPARED = 2, 3
-FUNCTION_WORDS = {"CHAR": "CHR", "WC_FRAME": "WC_FRAME"}  # words that are functions before a bracket
+BEHIND_OPERAND = (".", "[", "%")
+FUNCTION_WORDS = {"CHAR": "CHR", "WC_FRAME": "WC_FRAME"}  # words that are functions in front of a bracket
 
 
 class ExpressionReader:
@@ -64,75 +65,81 @@ class ExpressionReader:
         """Whether the token is a name here: declared, or no word of the language."""
         return token.kind is Kind.NAME and (not token.word or token.key in self.names)
 
-    def _sign(self) -> str:
-        """The operator that is next, or ""."""
-        token = self._stream.token
-        if token.kind is Kind.SIGN:
-            return token.text
-        return token.word if token.word in ("OR", "AND", "MOD") and token.key not in self.names else ""
-
     def _binary(self, lowest: int) -> Expression:
         """Operands joined by operators of this level and higher ones."""
-        self._stream.deeper()
-        token = self._stream.token
+        stream = self._stream
+        stream.deeper()
+        token = stream.token
         if token.word == "NOT" and lowest <= NOT_LEVEL and token.key not in self.names:
-            self._stream.take()
+            stream.take()
             left: Expression = Unary(token.position, "NOT", self._binary(NOT_LEVEL))
         else:
             left = self._signed()
-        while (level := LEVELS.get(sign := self._sign(), -1)) >= lowest:
-            at = self._stream.take().position
+        while True:
+            token = stream.token
+            is_sign = token.kind is Kind.SIGN
+            sign = token.text if is_sign else token.word
+            level = LEVELS.get(sign, -1)
+            if level < lowest or not (is_sign or token.key not in self.names):
+                break
+            at = stream.take().position
             if sign == "=":
-                self._stream.doubled("=")
-            if level > NOT_LEVEL:  # operands of AND and OR are conditions
+                stream.doubled("=")
+            if level > NOT_LEVEL and stream.token.position.line != at.line:  # what AND and OR join is a condition
                 self._expect_value(compared=level == COMPARED)
             left = Binary(at, sign, left, self._binary(level + 1))
-        self._stream.back()
+        stream.back()
         return left
 
     def _signed(self) -> Expression:
         token = self._stream.token
-        if token.kind is Kind.SIGN and token.text in ("+", "-"):
+        if token.text in ("+", "-") and token.kind is Kind.SIGN:
             self._stream.take()
             self._stream.deeper()
             value: Expression = Unary(token.position, token.text, self._signed())
             self._stream.back()
             return value
-        value = self._parts(self._operand())
+        value = self._operand()
+        if self._stream.token.text not in BEHIND_OPERAND:  # nearly always
+            return value
+        value = self._parts(value)
         while self._stream.is_sign("%"):
             value = Unary(self._stream.take().position, "%", value)
         return value
 
     def _operand(self) -> Expression:
         token = self._stream.token
-        match token.kind:
-            case Kind.NAME:
-                return self._named(token)
-            case Kind.NUMBER:
-                self._stream.take()
-                return Number(token.position, _number(self._with_comma(token) if self._alone else token.text))
-            case Kind.TEXT:
-                self._stream.take()
-                return Text(token.position, token.text)
-            case Kind.SIGN if token.text == "(":
-                self._stream.take()
-                values = self._list()
-                return values[0] if len(values) == 1 else PointValue(token.position, values, joint=False)
-            case Kind.SIGN if token.text == "@" and self._stream.ahead().text == "(":
-                self._stream.take()
-                self._stream.take()
-                return PointValue(token.position, self._list(), joint=True)
+        kind = token.kind
+        if kind is Kind.NAME:
+            return self._named(token)
+        if kind is Kind.NUMBER:
+            self._stream.take()
+            return Number(token.position, _number(self._with_comma(token) if self._alone else token.text))
+        if kind is Kind.TEXT:
+            self._stream.take()
+            return Text(token.position, token.text)
+        if kind is Kind.SIGN and token.text == "(":
+            self._stream.take()
+            values = self._list()
+            return values[0] if len(values) == 1 else PointValue(token.position, values, joint=False)
+        if kind is Kind.SIGN and token.text == "@" and self._stream.ahead().text == "(":
+            self._stream.take()
+            self._stream.take()
+            return PointValue(token.position, self._list(), joint=True)
         self._stream.wrong(f"a value is expected, not {token}")
 
     def _named(self, token: Token) -> Expression:
-        if token.word and token.key not in self.names and not (token.word in FUNCTION_WORDS and self._stream.ahead().text == "("):
+        name = token.key
+        declared = name in self.names
+        if token.word and not declared and not (token.word in FUNCTION_WORDS and self._stream.ahead().text == "("):
             self._stream.wrong(f"a value is expected, not the word {token}")
         self._stream.take()
         behind = self._stream.token
-        if token.key == "O" and token.key not in self.names and behind.kind is Kind.NUMBER and token.touches(behind):
-            return self._letter_o(token)
-        name = FUNCTION_WORDS.get(token.word, GERMAN.get(token.key, token.key)) if token.key not in self.names else token.key
-        if self._stream.is_sign("("):
+        if not declared:
+            if name == "O" and behind.kind is Kind.NUMBER and token.touches(behind):
+                return self._letter_o(token)
+            name = FUNCTION_WORDS.get(token.word, GERMAN.get(name, name))
+        if behind.text == "(" and behind.kind is Kind.SIGN:
             self._stream.take()
             return Call(token.position, name, self._list())
         return Name(token.position, name)

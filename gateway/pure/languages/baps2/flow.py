@@ -8,6 +8,8 @@ from gateway.pure.languages.base.faults import Faults
 Path = tuple[int, ...]
 HOLDERS = (Block, Repeat, Exclusive, If, Case, Move, WaitUntil)  # statements with others inside
 
+CLOSED = (Repeat, Exclusive, Case)  # no jump leads into them
+
 
 def children(statement: Statement) -> tuple[tuple[Statement, ...], ...]:
     """The bodies inside of a statement; those of PARALLEL are functions of their own and not among them."""
@@ -49,9 +51,8 @@ def label_paths(body: tuple[Statement, ...], faults: Faults) -> dict[str, Path]:
                 if each.name in found:
                     faults.error("label-twice", each.at, f"label {each.name} is defined twice")
                 found[each.name] = path
-            closed = isinstance(each, Repeat | Exclusive | Case)
             for part in children(each):
-                walk(part, (*path, id(each)) if closed else path)
+                walk(part, (*path, id(each)) if isinstance(each, CLOSED) else path)
 
     walk(body, ())
     return found

@@ -5,7 +5,6 @@ A `;` directly after a word that only assignments follow separates them (`AFACTO
 """
 
 import re
-from collections.abc import Iterator
 from enum import Enum
 from typing import NamedTuple
 
@@ -31,12 +30,13 @@ class Token(NamedTuple):
     kind: Kind
     text: str
     position: Position
-    word: str = ""
+    word: str
+    key: str  # the text as names are compared
 
-    @property
-    def key(self) -> str:
-        """The name as names are compared."""
-        return self.text.upper()
+    @classmethod
+    def of(cls, kind: Kind, text: str, position: Position, word: str = "") -> "Token":
+        """A token with its key."""
+        return cls(kind, text, position, word, text.upper())
 
     @property
     def end(self) -> Position:
@@ -53,16 +53,20 @@ class Token(NamedTuple):
         return "the end of the file" if self.kind is Kind.END else f"'{self.text}'"
 
 
-_PATTERN = re.compile(
-    r"""(?:(?P<blank>[^\S\n]+)
+Known = dict[str, tuple[Kind, str, str, str]]  # names and signs that were here before: kind, text, word, key
+
+_NUMBER = r"(?:\d+\.\d+|\d+|\.\d+)[eE][-+]?\d+(?!\w)|\d+\.\d+|\d+\.(?![.\w])|\.\d+|\d+"
+_PATTERN = re.compile(  # the most frequent ones first; a look behind comes last, because it is tried at each place
+    rf"""(?:(?P<name>@?[^\W\d]\w*)
       | (?P<line>\n)
-      | (?P<instruction>(?:;[ \t]*;|(?<!\w)(?<!\w[ ])::)[^\n]*)
-      | (?P<separator>(?<=\w);(?=[ \t]*@?[^\W\d]\w*[ \t]*=[ \t]*[-+]?[\w.%]+[ \t]*(?:[;,]|\n|$)))
+      | (?P<number>(?>{_NUMBER}))(?![^\W\d]|\.\d)
+      | (?P<run>{_NUMBER})  # a number that runs into what is behind it
+      | (?P<instruction>(?:;[ \t]*;|::(?<!\w::)(?<!\w[ ]::))[^\n]*)
+      | (?P<separator>;(?<=\w;)(?=[ \t]*@?[^\W\d]\w*[ \t]*=[ \t]*[-+]?[\w.%]+[ \t]*(?:[;,]|\n|$)))
       | (?P<comment>;[^\n]*|\(\*.*?\*\))
-      | (?P<number>(?:\d+\.\d+|\d+|\.\d+)[eE][-+]?\d+(?!\w)|\d+\.\d+|\d+\.(?![.\w])|\.\d+|\d+)
-      | (?P<name>@?[^\W\d]\w*)
-      | (?P<text>'[^'\n]*'|"[^"\n]*")
       | (?P<sign>(?!//)(?:<>|<=|>=|=<|=>|\.\.|[-+*/=<>(),:.\[\]@%]))
+      | (?P<text>'[^'\n]*'|"[^"\n]*")
+      | (?P<blank>[^\S\n]+)
     )[^\S\n]*  # blanks behind a token go with it: half as many matches
     """,
     re.VERBOSE | re.DOTALL,
@@ -84,61 +88,72 @@ def _runs_on(found: str, match: re.Match[str], behind: re.Match[str], position: 
     return found, match
 
 
-def tokens_of(source: SourceFile, words: Words, faults: Faults) -> Iterator[Token]:
-    """Yield all tokens, an END token last.  Anything else is a fault and is skipped."""
+def tokens_of(source: SourceFile, words: Words, faults: Faults) -> list[Token]:
+    """All tokens, an END token last.  What is no token is a fault and is passed over."""
     text, at, line, start = source.text, 0, 1, 0
-    name, above, size, match_at = source.name, source.included_from, len(source.text), _PATTERN.match
-    new = tuple.__new__  # a call less for each of the many tokens
-    known: dict[str, tuple[Kind, str, str]] = {}  # names and signs that were here before
+    name, above, size = source.name, source.included_from, len(source.text)
+    tokens: list[Token] = []
+    known: Known = {}
+    add, seen, new = tokens.append, known.get, tuple.__new__  # tuple: a call less for each of the many tokens
     while at < size:
-        match = match_at(text, at)
-        if match is None:
-            size_of, meant = _unknown(text, at, source.at(line, at - start + 1), words, faults)
-            at += size_of
+        for match in _PATTERN.finditer(text, at):
+            begin = match.start()
+            if begin != at:  # in between is what is no token
+                break
+            found, at = match[match.lastindex or 0], match.end()
+            if (same := seen(found)) is not None:
+                kind, shown, word, key = same
+                add(new(Token, (kind, shown, new(Position, (name, line, begin - start + 1, above)), word, key)))
+                continue
+            group = match.lastgroup or ""
+            if group == "line":
+                line, start = line + 1, begin + 1
+            elif group == "run":
+                token, at = _run_on(match, source.at(line, begin - start + 1), words, known, faults)
+                add(token)
+                break
+            elif group not in SKIPPED:
+                add(_token(group, found, source.at(line, begin - start + 1), words, known))
+            elif group == "comment" and "\n" in found:
+                line, start = line + found.count("\n"), begin + found.rindex("\n") + 1
+        if at < size and _PATTERN.match(text, at) is None:
+            passed, meant = _unknown(text, at, source.at(line, at - start + 1), words, faults)
+            at += passed
             if meant is not None:
-                yield meant
-            continue
-        kind = match.lastgroup or ""
-        found = match[kind]
-        if (same := known.get(found)) is not None:
-            yield new(Token, (same[0], same[1], new(Position, (name, line, at - start + 1, above)), same[2]))
-        elif kind == "line":
-            line, start = line + 1, at + 1
-        elif kind not in SKIPPED:
-            position = new(Position, (name, line, at - start + 1, above))
-            if kind == "name":
-                known[found] = Kind.NAME, found, words.token(found) or ""
-                yield Token(Kind.NAME, found, position, known[found][2])
-            elif kind == "sign":
-                known[found] = Kind.SIGN, _SAME.get(found, found), ""
-                yield Token(Kind.SIGN, known[found][1], position)
-            elif kind == "number":
-                behind = _BEHIND.match(text, match.end(kind))
-                if behind is None:
-                    yield Token(Kind.NUMBER, found, position)
-                elif found.isdigit() and words.token(behind[0]) is None:
-                    yield _misnamed(found + behind[0], position, known, faults)
-                    match = behind
-                else:
-                    found, match = _runs_on(found, match, behind, position, faults)
-                    yield Token(Kind.NUMBER, found, position)
-            elif kind == "text":
-                yield Token(Kind.TEXT, found[1:-1], position)
-            else:
-                yield Token(Kind.INSTRUCTION, found.lstrip(";: \t").strip(), position)
-        elif kind == "comment" and "\n" in found:
-            line, start = line + found.count("\n"), at + found.rindex("\n") + 1
-        at = match.end()
-    yield Token(Kind.END, "", source.at(line, at - start + 1))
+                add(meant)
+    add(Token.of(Kind.END, "", source.at(line, at - start + 1)))
+    return tokens
 
 
-def _misnamed(name: str, position: Position, known: dict[str, tuple[Kind, str, str]], faults: Faults) -> Token:
-    """Return a name that begins with a digit: it is reported once and read like any other."""
+def _token(group: str, found: str, position: Position, words: Words, known: Known) -> Token:
+    """A token that is not known yet; names, signs and numbers are from then on."""
+    if group == "text":
+        return Token.of(Kind.TEXT, found[1:-1], position)
+    if group == "instruction":
+        return Token.of(Kind.INSTRUCTION, found.lstrip(";: \t").strip(), position)
+    token = Token.of(Kind(group), _SAME.get(found, found), position, (words.token(found) or "") if group == "name" else "")
+    known[found] = token.kind, token.text, token.word, token.key
+    return token
+
+
+def _run_on(match: re.Match[str], position: Position, words: Words, known: Known, faults: Faults) -> tuple[Token, int]:
+    """A number that does not end where it should, and where to go on."""
+    found, behind = match["run"], _BEHIND.match(match.string, match.end("run"))
+    if behind is None:
+        return Token.of(Kind.NUMBER, found, position), match.end()
+    if found.isdigit() and words.token(behind[0]) is None and not behind[0].startswith("."):
+        return _misnamed(found + behind[0], position, known, faults), behind.end()
+    found, match = _runs_on(found, match, behind, position, faults)
+    return Token.of(Kind.NUMBER, found, position), match.end()
+
+
+def _misnamed(name: str, position: Position, known: Known, faults: Faults) -> Token:
+    """A name that begins with a digit: it is said once, and the name is read as any other."""
     if name.upper() not in known:
         faults.error("name-begins-with-digit", position, f"{name} begins with a digit", "a name begins with a letter")
-        known[name.upper()] = Kind.NAME, name, ""
+        known[name.upper()] = Kind.NAME, name, "", name.upper()
     faults.spoilt(position)
-    return Token(Kind.NAME, name, position)
+    return Token.of(Kind.NAME, name, position)
 
 
 def _unknown(text: str, at: int, position: Position, words: Words, faults: Faults) -> tuple[int, Token | None]:
@@ -147,7 +162,7 @@ def _unknown(text: str, at: int, position: Position, words: Words, faults: Fault
         end = text.find("\n", at)
         faults.error("text-without-end", position, "this text has no closing quote on its line")
         end = end if end >= 0 else len(text)
-        return end - at, Token(Kind.TEXT, text[at + 1 : end], position)  # still a value
+        return end - at, Token.of(Kind.TEXT, text[at + 1 : end], position)  # a value all the same
     if text.startswith("(*", at):
         faults.error("comment-without-end", position, "this comment has no closing *)")
         return len(text) - at, None
@@ -168,4 +183,4 @@ def _meant(found: str, position: Position, words: Words, faults: Faults) -> Toke
         return None
     sign = _MEANT[found]
     faults.error("no-token", position, f"'{found}' is not a sign", f"write {sign}")
-    return Token(Kind.NAME if sign.isalpha() else Kind.SIGN, sign, position, words.token(sign) or "")
+    return Token.of(Kind.NAME if sign.isalpha() else Kind.SIGN, sign, position, words.token(sign) or "")

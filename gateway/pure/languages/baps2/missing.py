@@ -164,8 +164,11 @@ class Missing:
         return False
 
     def in_move(self, until: bool) -> str:
-        """Report and return the word that a MOVE lacks before the next token: WITH, UNTIL or ERROR."""
-        token, following = self._stream.token, self._stream.ahead()
+        """The word that a MOVE lacks in front of what is next: WITH, UNTIL or ERROR; it is reported."""
+        token = self._stream.token
+        if not until and (token.word or token.kind is not Kind.NAME):
+            return ""
+        following = self._stream.ahead()
         word, line = "", token.position.line
         if until and token.word in ("JUMP", "HALT", "WRITE", "BEGIN", "STOP") and self._is_ahead("TO", lines=3):
             word = "ERROR"

@@ -49,9 +49,9 @@ class Mistakes:
         if (
             token.kind is not Kind.NAME
             or token.word
+            or following.text in ("=", "[", ".", ":", "(")
             or self.is_known(token)
             or token.key in self._stream.jumped
-            or following.text in ("=", "[", ".", ":", "(")
         ):
             return False
         alone = following.kind is Kind.END or following.position.line != token.position.line
@@ -64,6 +64,8 @@ class Mistakes:
     def misspelt_part(self, words: Collection[str], where: str) -> None:
         """The same for words inside a statement, before a name, a number or a bracket in their line."""
         token, following = self._stream.token, self._stream.ahead()
+        if token.word or token.kind is not Kind.NAME:
+            return
         goes_on = following.kind in (Kind.NAME, Kind.NUMBER) or following.text in ("(", "@", "=")
         if self.is_known(token) or not goes_on or following.position.line != token.position.line:
             return

@@ -46,7 +46,7 @@ class Operators:
 
     def between(self, tree: Binary, left: Typed, right: Typed) -> Typed:
         """A comparison, arithmetic or an operation on points."""
-        if NONE in (left.type, right.type):
+        if left.type is NONE or right.type is NONE:
             return NOTHING
         if tree.sign in COMPARISONS:
             return self._comparison(tree, left, right)
@@ -88,7 +88,7 @@ class Operators:
         sign, whole = tree.sign, left.type == right.type == INTEGER
         if sign == "MOD" and not whole:
             return self._fault("type", tree.at, "MOD takes INTEGER values")
-        if isinstance(left.constant, int | float) and isinstance(right.constant, int | float):
+        if left.constant is not None and isinstance(left.constant, int | float) and isinstance(right.constant, int | float):
             return self._folded(tree, left.constant, right.constant, whole)
         if sign == "MOD":
             if isinstance(right.constant, int) and right.constant:

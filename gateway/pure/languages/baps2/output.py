@@ -19,18 +19,13 @@ class Lines:
 
     indent: int = 0
     rows: list[str] = field(default_factory=list)
-    looked_at: int = 0  # rows that too_deep has seen
+    too_deep: bool = False  # a row since the last look has more brackets one in the other than Python takes
 
     def add(self, text: str) -> None:
         """One line."""
         self.rows.append("    " * self.indent + text)
-
-    def too_deep(self) -> bool:
-        """Return whether a row since the last look nests more brackets than Python allows."""
-        first, self.looked_at = self.looked_at, len(self.rows)
-        if first == self.looked_at:
-            return False
-        return any(len(row) > LONG_ROW and brackets(row) > MOST_BRACKETS for row in self.rows[first:])
+        if len(text) > LONG_ROW and brackets(text) > MOST_BRACKETS:
+            self.too_deep = True
 
 
 def brackets(row: str) -> int:

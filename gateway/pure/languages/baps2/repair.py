@@ -106,8 +106,8 @@ def _parameters(tokens: Sequence[Token], place: int, lines: Collection[tuple[str
 
 
 def _sign(sign: str, place: int, tokens: Sequence[Token]) -> Repair:
-    """Return the repair of a missing opening bracket before the token there."""
-    return Repair(place, Token(Kind.SIGN, sign, tokens[place - 1].end), f"'{sign}' is missing in front of {tokens[place]}")
+    """An opening bracket that is missing in front of the token there."""
+    return Repair(place, Token.of(Kind.SIGN, sign, tokens[place - 1].end), f"'{sign}' is missing in front of {tokens[place]}")
 
 
 def _begins(tokens: Sequence[Token], place: int) -> bool:
@@ -159,7 +159,7 @@ def _closers(tokens: Sequence[Token], opened: Sequence[int], end: int) -> Iterat
         gaps.sort(key=lambda gap: (_early(tokens[gap - 1], tokens[gap], sign), gap))
         for gap in gaps[:MOST_GAPS]:
             before = tokens[gap - 1]
-            yield Repair(gap, Token(Kind.SIGN, sign, before.end), f"'{sign}' is missing behind {before}")
+            yield Repair(gap, Token.of(Kind.SIGN, sign, before.end), f"'{sign}' is missing behind {before}")
 
 
 def _early(before: Token, behind: Token, sign: str) -> int:
@@ -209,7 +209,7 @@ def _named(place: int, name: str, tokens: Sequence[Token], hint: str = "") -> Re
     """A name that is missing there."""
     before, behind = tokens[place - 1 : place + 1]
     at = behind.position if behind.text == "=" else before.end
-    return Repair(place, Token(Kind.NAME, name, at), f"a name is expected behind {before}, not {behind}", hint)
+    return Repair(place, Token.of(Kind.NAME, name, at), f"a name is expected behind {before}, not {behind}", hint)
 
 
 def _wanted(tokens: Sequence[Token], faults: Faults) -> list[Token]:

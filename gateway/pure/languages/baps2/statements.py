@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection
 from gateway.pure.languages.baps2 import instructions
 from gateway.pure.languages.baps2.declarations import DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
+from gateway.pure.languages.baps2.homonyms import ASSIGNED
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.missing import IN_CASE, Missing
 from gateway.pure.languages.baps2.mistakes import CLOSERS, Mistakes
@@ -78,13 +79,14 @@ class StatementReader:
     def body(self, ends: Collection[str]) -> tuple[Statement, ...]:
         """Statements up to one of these words, which is not taken, or a word that can only end something around."""
         found: list[Statement] = []
+        words = (*ends, *self.readers)
         self._missing.open.append(ends)
         while not self._ends(ends):
             if self._stream.sign(","):  # between assignments (L6275)
                 continue
-            if not self._stream.token.word and self._mistakes.misspelt((*ends, *self.readers)) and self._stream.is_word(ends):
+            if not self._stream.token.word and self._mistakes.misspelt(words) and self._stream.is_word(ends):
                 break
-            if self._stream.is_word(CLOSERS):
+            if self._stream.token.word in CLOSERS:
                 if (orphan := self._missing.orphan()) is None:
                     break
                 found.append(orphan)
@@ -129,21 +131,23 @@ class StatementReader:
         if token.kind is not Kind.NAME:
             return self._other(token)
         is_name = self._expressions.names_it(token)
-        assigned = following.text in ("=", "[") or (following.text == "." and following.kind is Kind.SIGN)
+        assigned = following.text in ASSIGNED and following.kind is Kind.SIGN
+        if assigned and (is_name or following.text == "="):  # the most frequent one
+            return self._set()
         assigned = assigned or (following.text == ":" and self._stream.ahead(2).text == "=")
         if is_name and following.text == ":" and following.kind is Kind.SIGN and not assigned:
             self._stream.length(self._stream.take())
             self._stream.take()
             self._stream.doubled(":")
             return Label(token.position, token.key)
+        if token.word in self.readers and not (is_name and assigned):
+            self._stream.take()
+            return self.readers[token.word](token.position)
         if (jump := self._missing.jump()) is not None:
             return jump
         if self._mistakes.label():
             return Label(token.position, self._stream.take().key)
-        if token.word in self.readers and not (is_name and assigned) and following.text != "=":
-            self._stream.take()
-            return self.readers[token.word](token.position)
-        if (assigned and (is_name or following.text == "=")) or self._mistakes.unassigned():
+        if (assigned and is_name) or self._mistakes.unassigned():
             return self._set()
         return self._other(token)
 

@@ -48,7 +48,10 @@ class Stream:
 
     def ahead(self, count: int = 1) -> Token:
         """A token further on."""
-        return self._tokens[min(self._next + count, self._last)]
+        try:
+            return self._tokens[self._next + count]
+        except IndexError:
+            return self._tokens[self._last]
 
     @property
     def place(self) -> int:
@@ -65,14 +68,14 @@ class Stream:
 
     def sign(self, *signs: str) -> bool:
         """Whether one of these signs is next; it is taken."""
-        if self.token.kind is Kind.SIGN and self.token.text in signs:
+        if self.token.text in signs and self.token.kind is Kind.SIGN:
             self.take()
             return True
         return False
 
     def is_sign(self, *signs: str) -> bool:
         """Whether one of these signs is next."""
-        return self.token.kind is Kind.SIGN and self.token.text in signs
+        return self.token.text in signs and self.token.kind is Kind.SIGN
 
     def word(self, *words: str) -> bool:
         """Whether one of these words is next; it is taken."""
@@ -133,7 +136,7 @@ class Stream:
         if not comment or _LIST.fullmatch(comment) is None:
             return []
         at = self.ahead(-1).position
-        return [Token(Kind.NAME, each[0], at._replace(column=column + each.start())) for each in _NAME.finditer(comment)]
+        return [Token.of(Kind.NAME, each[0], at._replace(column=column + each.start())) for each in _NAME.finditer(comment)]
 
     def doubled(self, sign: str) -> None:
         """Read and report the same sign directly after the one just read."""
@@ -152,7 +155,7 @@ class Stream:
         """Whether the next two tokens are this word of the language in two parts; they are one from now on."""
         word = self._words.token(whole)
         if word is not None:
-            self._tokens[self._next] = self.token._replace(text=whole, word=word)
+            self._tokens[self._next] = self.token._replace(text=whole, word=word, key=whole.upper())
             del self._tokens[self._next + 1]
             self._last -= 1
             self.token = self._tokens[self._next]
@@ -178,7 +181,8 @@ class Stream:
 
     def read_as(self, spelling: str) -> None:
         """From now on the next token is this word of the language."""
-        self.token = self._tokens[self._next] = self.token._replace(text=spelling, word=self._words.token(spelling) or "")
+        word, key = self._words.token(spelling) or "", spelling.upper()
+        self.token = self._tokens[self._next] = self.token._replace(text=spelling, word=word, key=key)
 
     @property
     def routines(self) -> Collection[str]:

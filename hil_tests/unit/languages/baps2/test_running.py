@@ -104,6 +104,11 @@ def test_subroutines_set_what_is_passed_by_reference_and_not_what_is_passed_by_v
     assert written(run(text)) == ["1210", "11"]
 
 
+def test_a_sign_in_quotes_is_no_sign() -> None:
+    signs = ("=", "[", ".", ":", "(", ",", "]", ";")
+    assert written(run(body(" ".join(f"WRITE '{sign}'" for sign in signs)))) == list(signs)
+
+
 def test_components_and_characters_are_passed_by_reference() -> None:
     names = ";;KINEMATICS : (1 = K)\n;;K.WC_NAMES = X, Y\n"
     text = body(
