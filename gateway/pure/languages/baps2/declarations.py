@@ -9,6 +9,7 @@ from gateway.pure.languages.baps2.tree import (
     Declared,
     Expression,
     External,
+    Faulty,
     Head,
     Number,
     Parameter,
@@ -200,9 +201,17 @@ class DeclarationReader:
 
     def _array(self, at: Position) -> TypeName:
         self._stream.expect_sign("[", "behind ARRAY")
-        low = self._expressions.read()
-        self._stream.expect_sign("..", "between the bounds")
-        high = self._expressions.read()
+        low: Expression = Faulty(at)
+        high: Expression = Faulty(at)
+        depth = self._stream.depth
+        try:
+            low = self._expressions.read()
+            self._stream.expect_sign("..", "between the bounds")
+            high = self._expressions.read()
+        except Misread:
+            self._stream.back_to(depth)
+            if not self._stream.passed_to_sign("]"):
+                raise
         if not self._stream.sign("]"):
             self._stream.missing("']'", "behind the bounds")
             if not self._stream.is_word(TYPES):

@@ -82,6 +82,8 @@ class ExpressionReader:
             level = LEVELS.get(sign, -1)
             if level < lowest or not (is_sign or token.key not in self.names):
                 break
+            if sign == "=" and not self._lines and stream.ahead(-1).position.line != token.position.line:
+                break  # an assignment without its name
             at = stream.take().position
             if sign == "=":
                 stream.doubled("=")
@@ -177,7 +179,9 @@ class ExpressionReader:
             token = self._stream.token
             if token.kind is not Kind.SIGN:
                 return value
-            if token.text == "." and self._stream.ahead().kind is Kind.NAME and isinstance(value, Name | Member | Index):
+            behind = self._stream.ahead()
+            named = behind.kind is Kind.NAME and behind.position.line == token.position.line
+            if token.text == "." and named and isinstance(value, Name | Member | Index):
                 self._stream.take()
                 name = self._stream.take().key
                 value = Member(token.position, value, GERMAN.get(name, name))

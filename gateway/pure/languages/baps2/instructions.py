@@ -44,7 +44,7 @@ def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) ->
             head.control = value.replace(" ", "").upper()
             if head.control != "RHO3":
                 faults.error("control", at, f"control {value or 'without a name'}", "only RHO3 runs here")
-        case "KINEMATICS" if "=" in value or value.lstrip("( ").isdigit():
+        case "KINEMATICS" if _NAME.fullmatch(value) is None:
             _kinematics(value, at, head, faults)
         case "KINEMATICS" | "INT":
             return _default(word, value, at, head, faults, begun=begun)

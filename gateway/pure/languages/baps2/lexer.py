@@ -117,12 +117,23 @@ def tokens_of(source: SourceFile, words: Words, faults: Faults) -> list[Token]:
             elif group == "comment" and "\n" in found:
                 line, start = line + found.count("\n"), begin + found.rindex("\n") + 1
         if at < size and _PATTERN.match(text, at) is None:
+            if _opens_behind(text, at) and tokens:
+                faults.error("text-without-end", source.at(line, at - start + 1), "this text has no opening quote")
+                faults.spoilt(tokens[-1].position)  # a word of it
+                at += 1
+                continue
             passed, meant = _unknown(text, at, source.at(line, at - start + 1), words, faults)
             at += passed
             if meant is not None:
                 add(meant)
     add(Token.of(Kind.END, "", source.at(line, at - start + 1)))
     return tokens
+
+
+def _opens_behind(text: str, at: int) -> bool:
+    """Whether the quote there ends a word and its line: the quote in front of the text is missing."""
+    end = text.find("\n", at)
+    return text[at] in QUOTES and text[at - 1 : at].isalnum() and not text[at + 1 : end if end >= 0 else len(text)].strip()
 
 
 def _token(group: str, found: str, position: Position, words: Words, known: Known) -> Token:

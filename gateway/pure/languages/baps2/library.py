@@ -72,9 +72,8 @@ class Library:
     def _read(self, source: SourceFile, faults: Faults, uses: set[str], repairs: Sequence[Repair] = ()) -> Program | None:
         for each in repairs:
             faults.error("syntax", each.token.position, each.text, each.hint)
-        inserted = [(each.place, each.token) for each in repairs]
         try:
-            return read(source, self._words, _Noted(self._store, uses), faults, inserted)
+            return read(source, self._words, _Noted(self._store, uses), faults, [each.apply for each in repairs])
         except RecursionError:
             faults.error("too-complex", source.at(1), f"{source.name} is nested too deeply")
             return None

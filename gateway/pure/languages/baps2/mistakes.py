@@ -308,7 +308,7 @@ class Mistakes:
         if token.kind is not Kind.NAME:
             return token.kind in (Kind.INSTRUCTION, Kind.END)
         before = self._stream.ahead(place - 1)
-        if before.word in OPERATORS or before.text == ".":
+        if before.word in OPERATORS or before.text == "." or (before.text == "(" and before.position.line == token.position.line):
             return False
         if following.kind is Kind.SIGN and following.text in ("=", ":"):
             return True
@@ -325,10 +325,21 @@ class Mistakes:
             self._stream.take()
         while self._stream.token.kind is not Kind.END:
             if self._stream.ahead(-1).word == "ERROR" and self._stream.token.word in ("JUMP", "HALT"):  # of the statement passed over
-                self._stream.take()
+                self._stream.word("JUMP")
             elif self.starts() or self._ends_misspelt():
                 return
             self._stream.take()
+
+    def passed_to(self, words: Collection[str]) -> bool:
+        """Passes over to one of these words in this line; False: there is none."""
+        place, line = 0, self._stream.ahead(-1).position.line
+        while (token := self._stream.ahead(place)).position.line == line and token.kind is not Kind.END:
+            if token.word in words:
+                for _ in range(place):
+                    self._stream.take()
+                return True
+            place += 1
+        return False
 
     def _ends_misspelt(self) -> bool:
         """Whether a word that ends something is next, alone in its line and with a slip in it."""

@@ -1,6 +1,6 @@
 """Reads a complete source: head, declarations, main part, subroutines.  All faults of the file in one run, never an exception."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from gateway.pure.languages.baps2 import instructions
@@ -21,10 +21,10 @@ ENDS = {"PROGRAM": ("PROGRAM_END", "END"), "SUBROUTINE": ("SUB_END", "END")}
 
 
 def read(
-    source: SourceFile, words: Words, store: ProgramStore, faults: Faults, inserted: Iterable[tuple[int, Token]] = ()
+    source: SourceFile, words: Words, store: ProgramStore, faults: Faults, repairs: Iterable[Callable[[list[Token]], None]] = ()
 ) -> Program | None:
-    """The tree; None where not even a program begins in it.  `inserted`: tokens that the text lacks, and their places."""
-    return _Reader(Stream(source, words, store, faults, inserted), faults).program()
+    """The tree; None where not even a program begins in it.  `repairs`: each changes the tokens as they were meant."""
+    return _Reader(Stream(source, words, store, faults, repairs), faults).program()
 
 
 class _Reader:

@@ -1,4 +1,7 @@
-"""One sign or name that is missing causes several faults: it is put in its place, and the program is read again (AX-1822)."""
+"""One sign or name that is missing or written twice causes several faults: it is put in or left out, and the program is read again.
+
+AX-1822.
+"""
 
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
@@ -31,12 +34,20 @@ _NAME = re.compile(r"@?[^\W\d]\w*")
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A token that is missing.  `place`: its index, with those of the repairs before it in the text."""
+    """A token that is missing, or is written twice (drop).  `place`: its index, with those of the repairs before it in the text."""
 
     place: int
     token: Token
     text: str
     hint: str = ""
+    drop: bool = False
+
+    def apply(self, tokens: list[Token]) -> None:
+        """Puts the token in its place, or leaves it out."""
+        if self.drop:
+            del tokens[self.place]
+        else:
+            tokens.insert(self.place, self.token)
 
 
 Trial = Callable[[Sequence[Repair]], Faults]  # the faults of the program with these repairs
@@ -50,7 +61,8 @@ def repairs_of(tokens: list[Token], trial: Trial) -> tuple[Repair, ...]:
     while left and faults.errors > len(chosen) + 1 and len(chosen) < MOST_REPAIRS:
         best: Repair | None = None
         fewest = faults.errors
-        places = [*islice(_brackets(tokens, faults), MOST_PLACES), *islice(_names(tokens, faults), MOST_PLACES)]
+        kinds = (_doubled, _brackets, _names)
+        places = [each for kind in kinds for each in islice(kind(tokens, faults), MOST_PLACES)]
         for each in _nearest(places, faults)[:left]:
             left -= 1
             errors = trial((*chosen, each)).errors
@@ -60,7 +72,7 @@ def repairs_of(tokens: list[Token], trial: Trial) -> tuple[Repair, ...]:
                 break
         if best is None:
             break
-        tokens.insert(best.place, best.token)
+        best.apply(tokens)
         chosen = (*chosen, best)
         faults = trial(chosen)
     return chosen
@@ -70,6 +82,19 @@ def _nearest(repairs: Sequence[Repair], faults: Faults) -> list[Repair]:
     """Those nearest to an error first."""
     lines = {each.position.line for each in faults if each.severity is Severity.ERROR}
     return sorted(repairs, key=lambda each: min(abs(each.token.position.line - line) for line in lines))
+
+
+# ---- what is written twice
+
+
+def _doubled(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
+    """Names and numbers that follow themselves, in lines with a fault."""
+    lines = {each.position[:2] for each in faults if each.severity is Severity.ERROR}
+    for place in range(1, len(tokens)):
+        before, token = tokens[place - 1], tokens[place]
+        same = token.key == before.key and token.kind in (Kind.NAME, Kind.NUMBER) and token.position[:2] == before.position[:2]
+        if same and token.position[:2] in lines:
+            yield Repair(place, token, f"{token} is written twice", drop=True)
 
 
 # ---- brackets

@@ -8,7 +8,7 @@ from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.homonyms import ASSIGNED
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.missing import IN_CASE, Missing
-from gateway.pure.languages.baps2.mistakes import CLOSERS, Mistakes
+from gateway.pure.languages.baps2.mistakes import BEHIND_KINEMATIC, CLOSERS, Mistakes
 from gateway.pure.languages.baps2.orders import OrderReader
 from gateway.pure.languages.baps2.standard import GERMAN, PROCEDURES
 from gateway.pure.languages.baps2.stream import Misread, Stream
@@ -132,7 +132,7 @@ class StatementReader:
             return self._other(token)
         is_name = self._expressions.names_it(token)
         assigned = following.text in ASSIGNED and following.kind is Kind.SIGN
-        if assigned and (is_name or following.text == "="):  # the most frequent one
+        if assigned and is_name:  # the most frequent one
             return self._set()
         assigned = assigned or (following.text == ":" and self._stream.ahead(2).text == "=")
         if is_name and following.text == ":" and following.kind is Kind.SIGN and not assigned:
@@ -149,6 +149,8 @@ class StatementReader:
             return Label(token.position, self._stream.take().key)
         if (assigned and is_name) or self._mistakes.unassigned():
             return self._set()
+        if token.word and following.text == "=":
+            self._stream.wrong(f"a value is expected, not the word {token}", at=token.position)
         return self._other(token)
 
     def _other(self, token: Token) -> Statement:
@@ -264,9 +266,14 @@ class StatementReader:
     def _factors(self) -> list[tuple[str, Expression]]:
         found = []
         while True:
-            token = self._stream.name("the name of a speed, an acceleration or a factor")
-            self._stream.expect_sign("=", f"behind WITH {token.text}")
-            found.append((GERMAN.get(token.key, token.key), self._expressions.alone()))
+            try:
+                token = self._stream.name("the name of a speed, an acceleration or a factor")
+                self._stream.expect_sign("=", f"behind WITH {token.text}")
+                found.append((GERMAN.get(token.key, token.key), self._expressions.alone()))
+            except Misread:
+                if not self._mistakes.passed_to(BEHIND_KINEMATIC):
+                    raise
+                return found
             comma = self._stream.sign(",")
             another = self._stream.token.kind is Kind.NAME and self._stream.ahead().text == "="
             if not another and (not comma or self._stream.is_word(("VIA", "TO", "UNTIL", "LINEAR", "PTP", "CIRCULAR"))):

@@ -1,13 +1,14 @@
 """The tokens of a program with its included files in their place, read with one token of look-ahead and recovery after faults."""
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import NoReturn
 
 from gateway.pure.languages.baps2.expansion import expanded
 from gateway.pure.languages.baps2.homonyms import called, is_foreign, labels_among, language_of, named, no_subroutines
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.slips import meant
+from gateway.pure.languages.baps2.standard import PROCEDURES
 from gateway.pure.languages.baps2.words import Words
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position, SourceFile
@@ -28,13 +29,18 @@ class Stream:
     """Tokens, and the places in which names are declared as far as the grammar needs them."""
 
     def __init__(
-        self, source: SourceFile, words: Words, store: ProgramStore, faults: Faults, inserted: Iterable[tuple[int, Token]] = ()
+        self,
+        source: SourceFile,
+        words: Words,
+        store: ProgramStore,
+        faults: Faults,
+        repairs: Iterable[Callable[[list[Token]], None]] = (),
     ) -> None:
-        """`inserted`: tokens that the text lacks, and their places."""
+        """`repairs`: each changes the tokens as they were meant."""
         self.faults, self._words = faults, words
         self._tokens, self._rows = expanded(source, words, store, faults)
-        for place, token in inserted:
-            self._tokens.insert(place, token)
+        for repair in repairs:
+            repair(self._tokens)
         for place in no_subroutines(self._tokens, words):
             self._tokens[place] = self._tokens[place]._replace(word="")
         self._next = 0
@@ -88,6 +94,13 @@ class Stream:
         """Whether one of these words is next."""
         return bool(self.token.word) and self.token.word in words
 
+    def passed_to_sign(self, sign: str) -> bool:
+        """Passes over to this sign in the line; False: it is not there."""
+        line = self.ahead(-1).position.line
+        while self.token.position.line == line and self.token.kind is not Kind.END and not self.is_sign(sign):
+            self.take()
+        return self.is_sign(sign)
+
     def expect_sign(self, sign: str, where: str) -> None:
         """Takes the sign, or reports that it is missing."""
         if not self.sign(sign):
@@ -110,10 +123,12 @@ class Stream:
         return self.token.position if same else before.end
 
     def ends_line(self) -> bool:
-        """Whether the token that was taken ends its line, and an assignment or a label begins the next one."""
+        """Whether the token that was taken ends its line, and an assignment, a call or a label begins the next one."""
         line, place, depth = self.token.position.line, 1, 0
         if self.token.kind is not Kind.NAME or line == self.ahead(-1).position.line:
             return False
+        if self.ahead().text == "(":
+            return self.token.key in self.routines or self.token.key in PROCEDURES
         while (token := self.ahead(place)).position.line == line and (depth or token.text in (".", "[")):  # components and elements
             depth += (token.text == "[") - (token.text == "]")
             place += 2 if token.text == "." else 1

@@ -83,6 +83,18 @@ def check(text: str) -> Faults:
         ("WRITE PHG,\nI = 3", "syntax", 0, 11),
         ("READ PHG, I,\nT = 'A'", "syntax", 0, 13),
         ("REPEAT\nI = 3\nREPEAT_END", "syntax", 0, 7),
+        ("I = 3\n= 4", "syntax", 1, 1),
+        ("I =\nINT_ASC(I, T, 1, 3, I)", "syntax", 0, 4),
+        ("MOVE WITH V 100, A = 5 VIA P1 TO P1", "syntax", 0, 13),
+        ("IF = 1 THEN I = 2\nELSE I = 3", "syntax", 0, 4),
+        ("I = I 0 + (I * (I = 1))", "syntax", 0, 7),
+        ("WRITE P1., I\nI = 2", "syntax", 0, 9),
+        ("WRITE P1.\nREPEAT 2 TIMES\nREPEAT_END", "syntax", 0, 9),
+        ("T = HALLO'", "text-without-end", 0, 10),
+        ("MOVE ROB ROB LINEAR TO P1", "syntax", 0, 10),
+        ("IF I = 1 THEN THEN I = 2 ELSE I = 3", "syntax", 0, 15),
+        ("REPEAT 2 2 TIMES\nI = 2\nREPEAT_END", "syntax", 0, 10),
+        ("WAIT UNTIL E1 = 1 MAX_TIME 5 ERROR HALT\nREPEAT 2 TIMES\nREPEAT_END", "syntax", 0, 28),
     ],
 )
 def test_one_mistake_is_one_fault_at_its_place(statements: str, id: str, line: int, column: int) -> None:
