@@ -130,6 +130,8 @@ class Stream:
         if self.ahead().text == "(":
             return self.token.key in self.routines or self.token.key in PROCEDURES
         while (token := self.ahead(place)).position.line == line and (depth or token.text in (".", "[")):  # components and elements
+            if token.kind is Kind.END:
+                return False
             depth += (token.text == "[") - (token.text == "]")
             place += 2 if token.text == "." else 1
         return token.text in ("=", ":") and token.position.line == line

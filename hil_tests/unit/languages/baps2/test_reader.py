@@ -189,6 +189,11 @@ def test_a_name_that_is_missing_does_not_swallow_the_end_of_the_program() -> Non
         assert program is not None and [each.name for each in program.subroutines] == ["S"]
 
 
+def test_an_element_without_its_end_at_the_end_of_the_file_is_read() -> None:
+    assert ids_of(read_text("PROGRAM P\nBEGIN\nI =\nF[1")[1])
+    assert ids_of(read_text("PROGRAM P\nARRAY[1")[1])
+
+
 def test_a_number_may_have_an_exponent_without_a_point() -> None:
     program, faults = read_text("PROGRAM P BEGIN X = 1E3 X = 2.5e-1 X = .5E+1 PROGRAM_END")
     assert not len(faults) and program is not None
