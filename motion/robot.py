@@ -140,7 +140,7 @@ def _geometric(robot: Robot) -> Kinematics:
                 from motion.kinematics.urdf import Urdf  # pinocchio is loaded only where a URDF is used
             except ImportError as error:
                 raise MotionError(
-                    f"a robot of a URDF needs pinocchio, which is not there ({error}): pip install 'axisgate[urdf]'"
+                    f"a robot of a URDF needs pinocchio, which is not installed ({error}): pip install 'axisgate[urdf]'"
                 ) from error
 
             return Urdf(text, frame, limits)

@@ -65,6 +65,6 @@ class OtherMaster:
         """The sentence that it is over, mostly empty."""
         if not self._heard or now - self._last < SILENT_NS:
             return ""
-        words = f"the other master is silent; it was heard with {heard_text(self._heard, self.names)}"
+        words = f"the other master is silent; it sent {heard_text(self._heard, self.names)}"
         self._heard.clear()
         return words

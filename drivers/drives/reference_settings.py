@@ -31,7 +31,7 @@ class ReferenceSettings:
         for name in ("inc_per_turn", "speed_inc_s", "slow_inc_s", "accel_inc_s2", "jerk_inc_s3", "way_inc", "timeout_s", "gear"):
             value: float = getattr(self, name)
             if not value > 0:
-                raise ScalingError(f"referencing: {name} {value} is no number above 0")
+                raise ScalingError(f"referencing: {name} {value} is not a number above 0")
         if self.direction not in (1, -1):
             raise ScalingError(f"referencing: direction {self.direction} is neither 1 nor -1")
         if self.mode not in MODES:

@@ -30,13 +30,13 @@ class Scaling:
     def __post_init__(self) -> None:
         for name, value in (("inc_per_turn", self.inc_per_turn), ("gear", self.gear), ("feed_per_turn", self.feed_per_turn)):
             if not (math.isfinite(value) and value > 0):
-                raise ScalingError(f"{name} {value} is no number above 0")
+                raise ScalingError(f"{name} {value} is not a number above 0")
         if self.direction not in (1, -1):
             raise ScalingError(f"direction {self.direction} is neither 1 nor -1")
         if self.output not in (1, 0, -1):
             raise ScalingError(f"output {self.output} is neither 1 nor -1 nor 0 (as direction)")
         if not math.isfinite(self.zero_inc):
-            raise ScalingError(f"zero_inc {self.zero_inc} is no number")
+            raise ScalingError(f"zero_inc {self.zero_inc} is not a number")
         # Computed once: the cycle reads it several times per axis
         sent = self.output * self.direction or 1
         per_unit = self.direction * self.gear * self.inc_per_turn / self.feed_per_turn

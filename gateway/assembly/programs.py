@@ -156,7 +156,7 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
     count = len(written.axes)
     own = [limits_of(axis) for axis in cell.axis[first : first + count]]
     if len(own) < count:
-        left = f"{len(own)} are left behind those of the robots before it" if first else f"the cell {len(own)}"
+        left = f"{len(own)} are left after those of the robots before it" if first else f"the cell {len(own)}"
         raise MotionError(f"robot {name} has {count} axes, {left}")
     for ours, its in zip(own, written.limits, strict=True):
         if ours.unit != its.unit:
@@ -170,7 +170,7 @@ def _machine(cell: Cell, table: Robot, first: int) -> "Machine":
         if belt.axis and number in numbers_of(cell, belt.robot) and belt.axis not in {axis.name for axis in own}:
             whose = f"{table.name} ({name})" if len(cell.robot) > 1 else name
             raise MotionError(
-                f"belt {belt.name}: axis {belt.axis} is none of robot {whose}, whose axes are {', '.join(a.name for a in own)}"
+                f"belt {belt.name}: axis {belt.axis} does not belong to robot {whose}, whose axes are {', '.join(a.name for a in own)}"
             )
     _check_endless(name, robot, own)
     shape = robot.shape if table.shape == "robot" else Shape(table.shape)

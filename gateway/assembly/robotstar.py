@@ -84,7 +84,7 @@ class RobotstarPrograms:
                 lost.append(str(fault))
                 continue
             lost += [
-                f"{self._file(name)}: {line}: no variable takes this value; it is left out" for line in self.language.restore(name, text)
+                f"{self._file(name)}: {line}: no variable accepts this value; it is left out" for line in self.language.restore(name, text)
             ]
         self._kept = self._values()
         return lost

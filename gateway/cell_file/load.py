@@ -57,7 +57,7 @@ def _decoded(path: str) -> str:
     try:
         return read_text(find_config(path, "cells"))
     except UnicodeDecodeError as error:
-        hint = f"byte {error.start} is no UTF-8: save the file as UTF-8 (an old editor's cp850 or cp1252 is not read)"
+        hint = f"byte {error.start} is not UTF-8: save the file as UTF-8 (an old editor's cp850 or cp1252 is not read)"
         raise CellFaults([Fault(path, "file", hint=hint, kind="syntax")]) from None
 
 

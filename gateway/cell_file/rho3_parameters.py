@@ -207,7 +207,7 @@ class _Work:
         if not isinstance(table, dict):
             return
         if key in table:
-            hint = f"rho3.{label} sets the same thing (P wins): keep only one"
+            hint = f"rho3.{label} sets the same (P takes precedence): keep only one"
             line = nearest(self.places, place)
             self.merged.faults.append(Fault(self.file, where, str(table[key]), "", "", hint, line, "cross"))
         table[key] = value

@@ -27,7 +27,7 @@ def alter(check: Context) -> None:
     octets = set(range(table.input >> 3, (table.input + size) >> 3))
     if table.life is not None:
         if table.life % 8 or table.life >> 3 in octets:
-            check.fault("alter.life", table.life, "the first RC input of a byte beside the correction", f"0..{BITS - 8}, a multiple of 8")
+            check.fault("alter.life", table.life, "the first RC input of a byte outside the correction", f"0..{BITS - 8}, a multiple of 8")
         else:
             octets.add(table.life >> 3)
     numbers = rc_numbers(check.cell)
@@ -55,7 +55,7 @@ def _application(check: Context, table: Alter, size: int) -> None:
     for key, wrong, what in (
         ("alter.source", check.cell.val3 is None, "application: an application of [val3] is needed"),
         ("alter.type", table.type != "REAL", "an application corrects with six REAL"),
-        ("alter.life", table.life is not None, "an application has no life byte: its turns count"),
+        ("alter.life", table.life is not None, "an application has no life byte: its calls are the sign of life"),
         ("alter.status", table.status is None, "an application needs the two answer words: status = the first of 32 free RC outputs"),
     ):
         if wrong:

@@ -16,7 +16,7 @@ def limits(check: Context) -> None:
         lag = axis.following_error
         if lag is not None and lag.warn > lag.trip:
             key = f"axis.{axis.name}.following_error.warn"
-            check.fault(key, number(lag.warn), f"has to be at most trip = {number(lag.trip)}", "", axis.unit)
+            check.fault(key, number(lag.warn), f"must be at most trip = {number(lag.trip)}", "", axis.unit)
 
 
 def endless(check: Context) -> None:
@@ -26,7 +26,7 @@ def endless(check: Context) -> None:
             continue
         key, bound = f"axis.{axis.name}", axis.limits
         if axis.unit != "deg":
-            check.fault(f"{key}.modulo", number(axis.modulo), "an endless axis turns: unit has to be deg", "", axis.unit)
+            check.fault(f"{key}.modulo", number(axis.modulo), "an endless axis turns: unit must be deg", "", axis.unit)
         if (bound.min, bound.max) != (0.0, axis.modulo):
             hint = f"an endless axis has the positions 0..{number(axis.modulo)}: min = 0, max = modulo"
             check.fault(f"{key}.limits", f"{number(bound.min)}..{number(bound.max)}", hint, "", axis.unit)
@@ -52,7 +52,7 @@ def homing(check: Context) -> None:
             check.fault(f"{key}.slow_speed", number(home.slow_speed), hint, "", f"{axis.unit}/s")
         end = home.position + home.offset
         if axis.limits.min < axis.limits.max and not axis.limits.min <= end <= axis.limits.max:
-            hint = f"position + offset = {number(end)} ends outside the limits"
+            hint = f"position + offset = {number(end)} is outside the limits"
             check.fault(f"{key}.offset", number(home.offset), hint, f"{number(axis.limits.min)}..{number(axis.limits.max)}", axis.unit)
 
 
@@ -119,7 +119,7 @@ def _plant_axis(check: Context, axis: Axis, values: PlantAxis) -> None:
         away = values.start < switch.from_ if axis.home.direction == "-" else values.start > switch.to
         if away:
             ends = f"{number(switch.from_)}..{number(switch.to)}"
-            hint = f'the search goes in direction "{axis.home.direction}" and never meets the switch {ends}'
+            hint = f'the search goes in direction "{axis.home.direction}" and never reaches the switch {ends}'
             check.fault(f"{key}.start", number(values.start), hint, "", axis.unit)
     limit = values.settings.get("speed_limit_rad_s")
     speed = axis.limits.speed / axis.mechanics.feed_per_turn * axis.mechanics.ratio * 6.283185307179586

@@ -41,7 +41,7 @@ def _moved(check: Context, belt: Belt, where: str) -> None:
         check.fault(f"{where}.{key}", getattr(belt, key), "a belt with factors 0 moves nothing (P503)")
     for name, factors in belt.factors_of.items():
         if name not in (belt.robot or tuple(robot.name for robot in cell.robot)):
-            check.fault(f"{where}.factors_of", name, "no robot of this belt", ", ".join(belt.robot))
+            check.fault(f"{where}.factors_of", name, "not a robot of this belt", ", ".join(belt.robot))
         elif not any(factors):
             check.fault(f"{where}.factors_of.{name}", list(factors), "a belt with factors 0 moves nothing (P503)")
     if belt.axis:

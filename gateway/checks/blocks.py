@@ -167,7 +167,7 @@ def _of_modbus(check: Context, block: Db) -> None:
     elif not any(MODBUS_VIEWS[view].signals for view in (server.view, *(unit.view for unit in server.units))):
         check.fault(f"{key}.writer", block.writer, 'this server has no files: they belong to the view "rho3"')
     if block.kind != "D":
-        check.fault(f"{key}.kind", block.kind, "file N is data block N: only kind D is one")
+        check.fault(f"{key}.kind", block.kind, "file N is data block N: only kind D has files")
     if block.entries:
         check.fault(key, block.entries[0].signal, "a block that Modbus clients write has no entries: a [[route]] reads its words")
 
@@ -219,7 +219,7 @@ def _kind(check: Context, block: Db, entry: Entry, found: Found) -> None:
     if (found.name.kind is Kind.BIT) is not (entry.type == "bit"):
         check.fault(key, entry.type, f"{entry.signal} is a {'bit' if found.name.kind is Kind.BIT else 'number'}")
     if found.which == "*" and found.name.kind is Kind.WAY:
-        check.fault(key, entry.signal, "one place holds one axis: name it instead of *")
+        check.fault(key, entry.signal, "one address holds one axis: name it instead of *")
     if entry.edge and found.name.kind is not Kind.BIT:
         check.fault(key, entry.edge, "only bits have edges")
 

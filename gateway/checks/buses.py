@@ -33,7 +33,7 @@ def drives(check: Context) -> None:
         wanted = family.protocol
         bus = buses.get(axis.drive.bus)
         if bus is not None and bus.protocol != wanted:
-            check.fault(f"{key}.type", axis.drive.type, f'bus {bus.name} speaks "{bus.protocol}"; this drive needs protocol = "{wanted}"')
+            check.fault(f"{key}.type", axis.drive.type, f'bus {bus.name} uses "{bus.protocol}"; this drive needs protocol = "{wanted}"')
         name = family.address
         number = getattr(axis.drive, name)
         other = axis.drive.node if name == "module" else axis.drive.module
@@ -66,7 +66,7 @@ def buses(check: Context) -> None:
         if bus.bitrate != "1 Mbit/s":
             check.fault(f"{key}.bitrate", bus.bitrate, "drives communicate at a fixed 1 Mbit/s (rho3 L7280-7282)", '"1 Mbit/s"')
         if len(on_it) > MODULES:
-            check.fault(key, f"{len(on_it)} axes", "take another bus for the others", f"at most {MODULES} axes")
+            check.fault(key, f"{len(on_it)} axes", "use another bus for the others", f"at most {MODULES} axes")
         try:
             beside(check.cell.file, bus.layout, "drives")
         except ConfigNotFound as error:
@@ -99,7 +99,7 @@ def adapters(check: Context) -> None:
             known = sorted(VALID_INTERFACES - {"cycle"})
             check.fault(key, bus.port, f"python-can has no interface {adapter.interface!r}", ", ".join(known))
         if adapter.bitrate is not None and adapter.bitrate != bus.bits_per_s:
-            check.fault(key, bus.port, f"opens it at {adapter.bitrate} bit/s, but bus.{bus.name}.bitrate = {bus.bitrate}: leave @... out")
+            check.fault(key, bus.port, f"opens it at {adapter.bitrate} bit/s, but bus.{bus.name}.bitrate = {bus.bitrate}: omit @...")
 
 
 def contacts(check: Context) -> None:

@@ -91,7 +91,7 @@ def stop_evidences(check: Context) -> None:
     for axis in check.cell.axis:
         key, given = f"axis.{axis.name}.stop_evidence", axis.stop_evidence
         if given and not DRIVE_FAMILIES[axis.drive.type].objects:
-            check.fault(key, given, "only CiA 402 drives have 6007h; a SERVODYN drive stops by its own supervision: leave it out")
+            check.fault(key, given, "only CiA 402 drives have 6007h; a SERVODYN drive stops by its own supervision: omit it")
         elif given not in ("", UNTESTED):
             try:
                 stop_evidence(check.cell, axis)

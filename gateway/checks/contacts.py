@@ -75,7 +75,9 @@ def _output(check: Context, io: Io) -> None:
         ]
         check.fault(key, io.signal, f"an output cannot show this bit; {near(io.signal, known) or 'as ' + ', '.join(known[:5])}")
     if io.signal == WATCHDOG and io.toggle_ms < check.cell.cycle_ms:
-        check.fault(f"io.{io.name}.toggle_ms", io.toggle_ms, "a watchdog toggles from completed cycles", f">= {check.cell.cycle_ms}", "ms")
+        check.fault(
+            f"io.{io.name}.toggle_ms", io.toggle_ms, "a watchdog output toggles with completed cycles", f">= {check.cell.cycle_ms}", "ms"
+        )
 
 
 def _input(check: Context, io: Io, written: dict[object, str]) -> None:
@@ -87,7 +89,9 @@ def _input(check: Context, io: Io, written: dict[object, str]) -> None:
     place = symbols_of(check.cell, check.signals).get(io.signal.upper())
     if not enabling and (place is None or place.direction is Direction.OUTPUT):
         known = [SHOWN_ONLY, *RC_NAMES]
-        check.fault(key, io.signal, f"no signal an input may drive; {near(io.signal, known) or 'as ' + ', '.join(known)} or an RC input")
+        check.fault(
+            key, io.signal, f"not a signal that an input may drive; {near(io.signal, known) or 'as ' + ', '.join(known)} or an RC input"
+        )
         return
     byte = 3 if place is None else place.number >> 3  # enabling inputs are in byte 3 unless [signals] moves them
     if byte in check.cell.rc_inputs.owner:

@@ -82,7 +82,7 @@ def controller(check: Context) -> None:
     if table is None:
         return
     if table.files and not (pathlib.Path(check.cell.file).parent / table.files).is_dir():
-        check.fault("controller.files", table.files, "no such folder (looked for beside the cell file)")
+        check.fault("controller.files", table.files, "no such folder (looked for in the folder of the cell file)")
     if table.process and not CONTROLLERS[table.kind].parameters:
         check.fault("controller.process", table.process[0].name, 'processes belong to kind = "rho3"')
     _codes(check, table)
@@ -113,9 +113,9 @@ def _codes(check: Context, table: Controller) -> None:
     if given and not CONTROLLERS[table.kind].codes:
         check.fault("controller.code_words" if table.code_words else "controller.pin", given[0], 'code words belong to kind = "reis"')
     if "" in table.code_words:
-        check.fault("controller.code_words", "", "a code word has at least one letter or digit; leave it out to have none")
+        check.fault("controller.code_words", "", "a code word has at least one letter or digit; omit it to have none")
     if len({word.upper() for word in given}) < len(given):
-        check.fault("controller.code_words", given[-1], "two access levels have the same code; capitals and small letters are the same")
+        check.fault("controller.code_words", given[-1], "two access levels have the same code; upper and lower case are the same")
 
 
 def _stations(check: Context, table: Controller) -> None:
@@ -134,7 +134,9 @@ def _eeprom(check: Context, table: Controller) -> None:
         if file and (not table.memory or not CONTROLLERS[table.kind].parameters):
             check.fault(f"controller.{key}", file, "it keeps the memory of a rho3; [controller] has none")
         elif file and (path.is_dir() or not path.parent.is_dir()):
-            check.fault(f"controller.{key}", file, "no such folder (looked for beside the cell file)", "the folder of the file must exist")
+            check.fault(
+                f"controller.{key}", file, "no such folder (looked for in the folder of the cell file)", "the folder of the file must exist"
+            )
 
 
 def _memory(check: Context, table: Controller) -> None:
@@ -149,7 +151,7 @@ def _memory(check: Context, table: Controller) -> None:
         kinds = " and ".join(f'kind = "{row.name}"' for row in CONTROLLERS.values() if row.memory)
         check.fault("controller.memory", table.memory, f"programs belong to {kinds}")
     elif not folder.is_dir():
-        check.fault("controller.memory", table.memory, "no such folder (looked for beside the cell file)")
+        check.fault("controller.memory", table.memory, "no such folder (looked for in the folder of the cell file)")
     elif not check.cell.robot or not all(robot.model for robot in check.cell.robot):
         check.fault("controller.memory", table.memory, "programs need the kinematics of a [robot] with a model")
     elif CONTROLLERS[table.kind].parameters and table.kinematics < len(check.cell.robot):
@@ -191,7 +193,7 @@ def _plc(check: Context, table: Controller) -> None:
     try:
         programs = read_programs(folder)
     except (ProgramFileFault, OSError) as error:
-        check.fault(f"{key}.path", table.plc.path, f"{error} (looked for beside the cell file)")
+        check.fault(f"{key}.path", table.plc.path, f"{error} (looked for in the folder of the cell file)")
         return
     if key_of(table.plc.start) not in {key_of(name) for name in programs}:
         check.fault(f"{key}.start", table.plc.start, f"no such program; {table.plc.path} has {', '.join(sorted(programs)) or 'none'}")
@@ -264,7 +266,7 @@ def inputs(cell: Cell) -> Iterator[Notice]:
             try:
                 control.channels.read(step.input)
             except InputFault as fault:
-                yield Notice("warning", f"controller.process.{process.name}.steps[{count}]", f"{fault}: P11 does not have it")
+                yield Notice("warning", f"controller.process.{process.name}.steps[{count}]", f"{fault}: it is not in P11")
 
 
 def _step(check: Context, key: str, step: ProcessStep) -> None:
@@ -347,7 +349,7 @@ def files(cell: Cell) -> Iterator[Notice]:
                 )
     for code, name in sorted((tables.programs.entries if tables.programs else {}).items()):
         if name not in known:
-            nobody = "which no [[controller.process]] declares" if folder is None else "which is no program of the memory"
+            nobody = "which no [[controller.process]] declares" if folder is None else "which is not a program of the memory"
             yield Notice("note", f"{table.files}/EXPROG.DAT", f"code {code:02X} selects {name}, {nobody}")
 
 

@@ -157,7 +157,7 @@ def _amount(check: Context, block: Db, dialect: Dialect) -> None:
     if not 1 <= int(head[2:]) <= 255:
         check.fault(f"db.{block.number}.at_partner", block.at_partner, "data blocks are 1..255")
     if last > dialect.most_word:
-        hint = f"{block.words} words from DW {first} on end at DW {last}; {dialect.name} reaches DW {dialect.most_word}"
+        hint = f"{block.words} words from DW {first} end at DW {last}; {dialect.name} reaches DW {dialect.most_word}"
         check.fault(f"db.{block.number}.at_partner", block.at_partner, hint)
 
 

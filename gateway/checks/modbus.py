@@ -42,7 +42,7 @@ def _server(check: Context, server: Modbus, key: str) -> None:
     if server.writers and (server.allow or server.tls is not None):
         check.fault(f"{key}.writers", "", "either allow (anywhere), writers (by addresses) or roles (by certificate): keep one of them")
     if not (server.serial or server.local or server.allow or server.writers or server.roles or server.tls):
-        hint = 'reached from other computers: name the PLC that may write, allow = ["10.0.0.5"], give writers or roles, or bind 127.0.0.1'
+        hint = 'reached from other computers: name the PLC that may write, allow = ["10.0.0.5"], set writers or roles, or bind 127.0.0.1'
         check.fault(f"{key}.bind", server.bind, hint)
     if server.first_address:
         check.fault(

@@ -20,16 +20,16 @@ def reachable(context: Context) -> None:
             context.fault(f"northbound.{key}", bind, range_="port 1..65535")
         elif bind and place_of(bind)[0] not in LOOPBACK and not _allowed(context, key):
             hint = {
-                "mqtt.broker": "a broker on another computer is reached by TLS: give tls_ca",
-                "opcua.bind": "OPC UA is served unencrypted, so on loopback alone",
+                "mqtt.broker": "a broker on another computer is reached by TLS: set tls_ca",
+                "opcua.bind": "OPC UA is served unencrypted, so on loopback only",
                 "metrics.bind": "reached from other computers, unencrypted: write open = true to permit this",
             }[key]
             context.fault(f"northbound.{key}", bind, hint)
     for key, name in (("password_file", north.mqtt.password_file), ("tls_ca", north.mqtt.tls_ca)) if north.mqtt else ():
         if name and not (pathlib.Path(context.cell.file).parent / name).is_file():
-            context.fault(f"northbound.mqtt.{key}", name, "no such file (looked for beside the cell file)")
+            context.fault(f"northbound.mqtt.{key}", name, "no such file (looked for in the folder of the cell file)")
     if not (north.mqtt or north.opcua or north.metrics or north.journald):
-        context.fault("northbound", "", "names nothing: add mqtt, opcua, metrics or journald")
+        context.fault("northbound", "", "contains nothing: add mqtt, opcua, metrics or journald")
 
 
 def _allowed(context: Context, key: str) -> bool:

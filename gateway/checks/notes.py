@@ -69,7 +69,7 @@ def line_silence(cell: Cell) -> Iterator[Notice]:
         late, watch = silence_s(line), line.supervision
         qvz, attempts = late[0], late[1]
         by = (
-            "by life word: good, but wire feed hold" if watch.life_word else "by silence only: give the PLC a life_word, and wire feed hold"
+            "by life word: good; also wire feed hold" if watch.life_word else "by silence only: give the PLC a life_word and wire feed hold"
         )
         text = (
             f"profile QVZ {qvz:g} ms x {attempts} attempts = {number(qvz * attempts / 1000)} s; "
@@ -92,7 +92,7 @@ def network(cell: Cell) -> Iterator[Notice]:
                 f"behind a network: QVZ {profile.ack_delay / 1e6:g} ms, ZVZ {profile.char_delay / 1e6:g} ms; {advice}",
             )
             continue
-        times = f"ZVZ {profile.char_delay / 1e6:g} ms leaves one stall of 200 ms"
+        times = f"ZVZ {profile.char_delay / 1e6:g} ms tolerates one stall of 200 ms"
         yield Notice(
             "warning", f"line {line.name}", f'{times} and no second one: profile = "{line.profile}{NETWORK}" adds 500 ms; {advice}'
         )
@@ -231,8 +231,8 @@ def counting(cell: Cell) -> Iterator[Notice]:
     for axis in cell.axis:
         if axis.modulo:
             rounds = COUNTER / abs(scaling_of(axis).inc_per_unit * to_si(axis.modulo, axis.unit))
-            text = f"endless; its set values have 32 bits: about {rounds:.0f} rounds to either side of where the drive counts from 0"
-            yield Notice("note", f"axis.{axis.name}", f"{text}, then drives off with reason SET_VALUE")
+            text = f"endless; its set values have 32 bits: about {rounds:.0f} turns in either direction from the drive's zero"
+            yield Notice("note", f"axis.{axis.name}", f"{text}, then the drives go off with reason SET_VALUE")
             if axis.home.by == "none":
                 text = (
                     "endless and absolute: an encoder that overflows while the gateway is off looks as if the axis had been "
@@ -261,9 +261,7 @@ def serials(cell: Cell) -> Iterator[Notice]:
     for axis in cell.axis:
         text = axis.drive.serial
         if DRIVE_FAMILIES[axis.drive.type].objects and text[:1].isdigit() and int(text, 0) == 0:
-            words = (
-                f"serial {text!r} identifies no drive: 1018h:04 is 0 in a drive without a serial number; vendor and product are compared"
-            )
+            words = f"serial {text!r} does not identify a drive: 1018h:04 is 0 in a drive without one; vendor and product are compared"
             yield Notice("warning", f"axis.{axis.name}.drive.serial", words)
 
 
@@ -275,12 +273,12 @@ def many_axes(cell: Cell) -> Iterator[Notice]:
     served = {block.line for block in cell.db}
     sources = [f"modbus {source.name}" for source in cell.modbus if source.command_block]
     sources += [f"line {line.name}" for line in cell.line if LINE_LAYERS[line.layer].blocks and line.name not in served]
-    behind = f"; bits 0..14 of its masks are axes 1..15, bit 15 is {names[MASKED]} and all behind it" if len(names) > MASKED else ""
+    behind = f"; bits 0..14 of its masks are axes 1..15, bit 15 is {names[MASKED]} and all after it" if len(names) > MASKED else ""
     for source in sources:
-        own = f"its command block has targets and positions up to axis {TABLED} ({names[TABLED - 1]}) alone"
+        own = f"its command block has targets and positions up to axis {TABLED} ({names[TABLED - 1]}) only"
         yield Notice("note", source, f"{own}{behind}; programs move all (AX-572)")
     if cell.controller is not None:
-        text = f"INPOS and referenced: axes 1..{SIGNAL_AXES}; axes behind {SIGNALLED} have neither drive-on nor disabling of their own"
+        text = f"INPOS and referenced: axes 1..{SIGNAL_AXES}; axes after {SIGNALLED} have no drive-on and no disable signal of their own"
         yield Notice("note", "controller", f"{text} (AX-572)")
 
 

@@ -148,7 +148,7 @@ def _measuring(check: Context) -> None:
     for each in cell.measuring:
         if fast.configured and each.channel not in fast.channels():
             given = ", ".join(map(str, fast.channels())) or "none"
-            check.fault(f"measuring.{each.channel}.channel", each.channel, f"inadmissable input: P11 gives {given}")
+            check.fault(f"measuring.{each.channel}.channel", each.channel, f"inadmissable input: P11 states {given}")
 
 
 def _probes(check: Context, measuring: Measuring) -> None:
@@ -167,11 +167,11 @@ def _probes(check: Context, measuring: Measuring) -> None:
         if measuring.axes and name not in measuring.axes:
             check.fault(f"{key}.drives", name, "is not among the axes of the board")
         if not DRIVE_FAMILIES[axes[name].drive.type].objects:
-            check.fault(f"{key}.drives", name, "its drive has no touch probe (60B8h): take the wire to an RC input")
+            check.fault(f"{key}.drives", name, "its drive has no touch probe (60B8h): wire it to an RC input")
             continue
         sheet = read_eds(check.cell, axes[name], simulated=False)
         if sheet is not None and sheet.dictionary.entry(0x60B8, 0) is None:
-            check.fault(f"{key}.drives", name, f"{sheet.path.name} has no touch probe (60B8h): take the wire to an RC input")
+            check.fault(f"{key}.drives", name, f"{sheet.path.name} has no touch probe (60B8h): wire it to an RC input")
 
 
 def wires(cell: Cell) -> Iterator[Notice]:

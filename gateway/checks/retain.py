@@ -31,7 +31,7 @@ def idle(cell: Cell) -> Iterator[Notice]:
             "order": "" if any(name.startswith("order.") for name in named_values(cell).names()) else "a value order.* of a telegram",
         }.get(group, "")
         if missing:
-            yield Notice("note", f"retain.values[{number}]", f"{pattern} keeps nothing here: it needs {missing}")
+            yield Notice("note", f"retain.values[{number}]", f"{pattern} is not retained here: it needs {missing}")
 
 
 CHECKS = (groups,)

@@ -61,8 +61,8 @@ def carriers(check: Context) -> None:
         if bus > len(buses):
             hint = f"bus {bus} of the P list is [[bus]] number {bus} of this file, which has {len(buses)}; add it with {CARRIER}"
         elif not _carries(buses[bus - 1].protocol):
-            speaks = f'bus {buses[bus - 1].name} speaks "{buses[bus - 1].protocol}", which carries no blocks of P31 and P32'
-            hint = f"{speaks}; give them a [[bus]] with {CARRIER}"
+            speaks = f'bus {buses[bus - 1].name} uses "{buses[bus - 1].protocol}", which carries no blocks of P31 and P32'
+            hint = f"{speaks}; add a [[bus]] with {CARRIER} for them"
         if hint:
             check.fault(f"rho3.{named[bus]}", f"bus = {bus}", hint)
 
@@ -81,7 +81,7 @@ def downloads(check: Context) -> None:
             continue
         missing = list(gaps(params, axis, index))
         if missing:
-            check.fault("rho3.P601", "true", f"the download lacks {', '.join(missing)}; give them, or P601 = false")
+            check.fault("rho3.P601", "true", f"the download lacks {', '.join(missing)}; add them, or set P601 = false")
 
 
 def orientation_notes(cell: Cell) -> Iterator[Notice]:

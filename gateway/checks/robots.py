@@ -51,7 +51,7 @@ def _own_axes(check: Context, counts: Sequence[int]) -> None:
         theirs = set().union(*(own.get(name, set()) for name in names))
         for axis in [axis for axis in axes if theirs and axis not in theirs]:
             there = ", ".join(each.name for each in cell.axis if each.name in theirs)
-            check.fault(f"{key}.axes", axis, f"is no axis of {' or '.join(names)}", there)
+            check.fault(f"{key}.axes", axis, f"is not an axis of {' or '.join(names)}", there)
 
 
 def _named(check: Context) -> None:

@@ -56,11 +56,11 @@ def routes(check: Context) -> None:
 def _sense(check: Context, route: Route) -> None:
     key = f"route.{route.name}"
     if route.scale == 0:
-        check.fault(f"{key}.scale", route.scale, "a target that never follows its source is no route: scale is not 0")
+        check.fault(f"{key}.scale", route.scale, "a target that never follows its source is not a route: scale is not 0")
     if route.edge in ("rising", "falling") and (route.scale, route.offset) != (1.0, 0.0):
         check.fault(f"{key}.scale", route.scale, "an edge is passed on as a pulse of 1: no scale, no offset")
     if route.on_loss != "value" and (route.loss_value or route.loss_after_ms):
-        check.fault(f"{key}.loss_value", route.loss_value, f'on_loss = "{route.on_loss}" shows none: on_loss = "value" does')
+        check.fault(f"{key}.loss_value", route.loss_value, f'on_loss = "{route.on_loss}" shows no value: on_loss = "value" does')
 
 
 def _ends(check: Context, route: Route, compiled: Compiled) -> None:
@@ -120,7 +120,7 @@ def _target(check: Context, key: str, text: str, place: Place) -> None:
             _parameter(check, key, text, place)
         case World.NAME:
             if place.name not in named_values(check.cell) and not wired(check.cell, place.name):
-                hint = "commands are given by command sources" if lookup(place.name) else _near_value(check, place.name)
+                hint = "commands come from command sources" if lookup(place.name) else _near_value(check, place.name)
                 check.fault(key, text, f"a route writes values a telegram of the cell carries, and inputs of [controller]; {hint}")
 
 
@@ -151,8 +151,8 @@ def _parameter(check: Context, key: str, text: str, place: Place) -> None:
 
     kept = place.db in LIMITS or place.db in OWN
     if kept or not 0x2000 <= place.db < 0xA000:
-        hint = "axisgate or the commissioning sets this object" if kept else "objects of the device's communication are axisgate's"
-        check.fault(key, text, f"{hint}; a route writes drive parameters beside them", "2000h..9FFFh")
+        hint = "axisgate or the commissioning sets this object" if kept else "axisgate itself sets the communication objects of the device"
+        check.fault(key, text, f"{hint}; a route may also write drive parameters", "2000h..9FFFh")
         return
     sheet = read_eds(check.cell, axis, simulated=False)
     if sheet is not None:
@@ -241,7 +241,7 @@ def _overflow(check: Context, route: Route, compiled: Compiled) -> None:
     ends = sorted(value * route.scale + route.offset for value in span)
     low, high = span_of(compiled.target.form)
     if ends[0] < low or ends[1] > high:
-        hint = f"{route.from_} gives {number(ends[0])}..{number(ends[1])}, {compiled.target.form} holds {number(low)}..{number(high)}"
+        hint = f"{route.from_} results in {number(ends[0])}..{number(ends[1])}, {compiled.target.form} holds {number(low)}..{number(high)}"
         check.fault(f"route.{route.name}.to", route.to, f"overflow: {hint}; a wider to_type, or another scale")
     if route.on_loss == "value" and not low <= route.loss_value <= high:
         check.fault(
@@ -290,7 +290,7 @@ def _time(check: Context, route: Route, compiled: Compiled) -> None:
 def _together(check: Context, compiled: list[Compiled]) -> None:
     joined = [each.joined for each in compiled]
     for first, second, span in two_writers(joined):
-        who = f"route {first} writes it already" if first != second else "its own value and its marks lie on each other"
+        who = f"route {first} writes it already" if first != second else "its value and its marks overlap"
         check.fault(f"route.{second}.to", f"{span.world} bit {span.first}", f"routes that disagree: {who}")
     for ring in rings(joined):
         check.fault(f"route.{ring[0]}.to", " -> ".join((*ring, ring[0])), "routes in a ring: the value would feed itself")

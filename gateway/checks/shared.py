@@ -22,7 +22,9 @@ def shared(check: Context) -> None:
             if check.unknown(f"shared_output.{table.name}.axes", name, "axis"):
                 continue
             if name in owners:
-                check.fault(f"shared_output.{table.name}.axes", name, f"is on set-point output {owners[name]} already; an axis has one")
+                check.fault(
+                    f"shared_output.{table.name}.axes", name, f"is on set-point output {owners[name]} already; an axis has only one"
+                )
             owners[name] = table.name
         taken |= _places(check, table, taken)
 

@@ -38,7 +38,7 @@ def heads(check: Context) -> None:
 def _direction(check: Context, telegram: Telegram) -> None:
     sends = bool(telegram.when or telegram.build)
     if is_incoming(telegram) and sends:
-        check.fault(_key(telegram), "", "one direction: match, fields, then (the partner sends it) or when, build (we do)")
+        check.fault(_key(telegram), "", "one direction: match, fields, then (the partner sends it) or when, build (axisgate sends it)")
     elif not is_incoming(telegram) and not sends:
         check.fault(_key(telegram), "", "neither match nor build: which bytes is it made of?")
     elif sends and not telegram.build:
@@ -107,7 +107,7 @@ def matches(check: Context) -> None:
                 shared = same_block(earlier, table)
                 if shared is not None:
                     shown = f"begins {shared.hex(' ').upper()}" if shared else "can be anything"
-                    hint = f"{other.name} matches the same bytes: a block that {shown} would be both; match more bytes or set length"
+                    hint = f"{other.name} matches the same bytes: a block that {shown} would match both; match more bytes or set length"
                     check.fault(_key(telegram, "match"), "", hint)
 
 
@@ -132,16 +132,16 @@ def names(check: Context) -> None:
         targets += [(_key(telegram, "then"), signal) for signal in signals([telegram])]
         for key, name in targets:
             if lookup(name) is not None or check.signals.named(name) is not None or name.split(".")[0] in RESERVED:
-                check.fault(key, name, "that is axisgate's name; a telegram writes names of the cell's own, as order.number")
+                check.fault(key, name, "this name is reserved for axisgate; a telegram writes names of the cell's own, as order.number")
             elif writers.setdefault(name, telegram.line) != telegram.line:
                 check.fault(key, name, f"line {writers[name]} writes it already")
         for signal in signals([telegram]) & written(check.cell.telegram):
-            check.fault(_key(telegram, "then"), signal, "a field writes this name: a signal has a name of its own")
+            check.fault(_key(telegram, "then"), signal, "a field writes this name: a signal needs a name of its own")
         when = parse_when(telegram.when)
         if when is not None:
             _readable(check, _key(telegram, "when"), when.name, own)
             if when.edge is Edge.FALLING and when.name in counting:
-                check.fault(_key(telegram, "when"), telegram.when, "a signal only comes: rising")
+                check.fault(_key(telegram, "when"), telegram.when, "a signal can only be received: rising")
         for index, part in enumerate(telegram.build):
             if part.from_:
                 _readable(check, _key(telegram, "build", index), part.from_, own)
@@ -194,7 +194,7 @@ def unwritten(cell: Cell) -> Iterator[Notice]:
     for telegram in cell.telegram:
         for name in watched([telegram]):
             if name not in given:
-                text = f"nothing in this file writes {name}: a program does, or `axisgate var {name} --set 1` in a simulated run"
+                text = f"nothing in this file writes {name}: a program must write it, or `axisgate var {name} --set 1` in a simulated run"
                 yield Notice("note", f"telegram {telegram.name}", text)
     for line in cell.line:
         if LINE_LAYERS[line.layer].telegrams and not any(telegram.line == line.name for telegram in cell.telegram):

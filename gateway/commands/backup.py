@@ -26,7 +26,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument(
         "--secrets",
         action="store_true",
-        help="also private keys, password files and the users of the page; FILE is then yours alone (0600)",
+        help="also private keys, password files and the users of the page; then only you can read FILE (0600)",
     )
     parser.add_argument("--json", action="store_true", help="its contents as JSON on standard output")
     options = parser.parse_args(argv)
@@ -48,6 +48,6 @@ def main(argv: list[str]) -> int:
     for name in manifest.left_out:
         print(f"left out: {name} is outside the folder of the cell; save it yourself")
     for name in manifest.withheld:
-        print(f"withheld: {name} (a secret); --secrets takes it in, or save it yourself")
+        print(f"withheld: {name} (a secret); --secrets includes it, or save it yourself")
     print(f"{options.to}: {len(manifest.parts)} files; try it: axisgate restore {options.to} --to FOLDER --dry-run")
     return DONE

@@ -17,7 +17,7 @@ from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate conformance run 3964r --port /dev/ttyUSB0 --report out        tests the station at this port
-  axisgate conformance run rk512 --bench station.toml --json > r.json    the whole result as JSON
+  axisgate conformance run rk512 --bench station.toml --json > r.json    the complete result as JSON
   axisgate conformance run rk512 --bench station.toml --failed-from r.json
 exit code: 0 only PASS, WARN, N/A or waived, 1 a FAIL, 2 command line or files, 3 ERROR, or INCONC without FAIL"""
 USAGE, ENVIRONMENT = 2, 3

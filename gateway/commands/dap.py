@@ -12,10 +12,10 @@ EXAMPLES = """examples:
   axisgate dap                    started by an editor; uses standard input and output
   axisgate dap --tcp 4711         for one editor that connects to a port of this machine
   axisgate dap --tcp 4711 &       in the background; it ends with the session
-launch takes: program (path of a .QLL, .MPR, .SPR, .MAC, .pgx or .pjx file), stopOnEntry;
-BAPS2: feed (inputs, points and devices, as axisgate program trace takes it)
-ROBOTstar: memory (folder S:/), mode (auto, test2, test4), plc, at (a list), until, as axisgate robotstar run takes them
-VAL 3: disk, robot, at (a list of "S WHAT=VALUE"), until, as axisgate val3 run takes them
+launch arguments: program (path of a .QLL, .MPR, .SPR, .MAC, .pgx or .pjx file), stopOnEntry;
+BAPS2: feed (inputs, points and devices, as axisgate program trace accepts it)
+ROBOTstar: memory (folder S:/), mode (auto, test2, test4), plc, at (a list), until, as axisgate robotstar run accepts them
+VAL 3: disk, robot, at (a list of "S WHAT=VALUE"), until, as axisgate val3 run accepts them
 exit code: 0 done, 2 the port is taken or the command line is wrong"""
 
 

@@ -39,7 +39,7 @@ def main(argv: list[str]) -> int:
         prog="axisgate drive", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("what", choices=("scan", "commission", "loss-test"))
-    parser.add_argument("place", metavar="CELL", help="the cell, or its name; scan also takes a CAN port (socketcan:can0, broker:NAME)")
+    parser.add_argument("place", metavar="CELL", help="the cell, or its name; scan also accepts a CAN port (socketcan:can0, broker:NAME)")
     parser.add_argument("axis", nargs="?", help="commission: name of the axis")
     parser.add_argument("--port", help="scan, commission: CAN port in place of the cell's")
     parser.add_argument("--beside", action="store_true", help="scan: also if another master is on the bus")
@@ -94,7 +94,7 @@ def _scan(url: str, arguments: argparse.Namespace) -> int:
 
     with direct(url) as link:
         if not arguments.beside:
-            refuse_other_master(link.port, url, "canopen", ", or ask all the same with --beside")
+            refuse_other_master(link.port, url, "canopen", ", or ask anyway with --beside")
         found = scan(link)
     if arguments.json:
         print(json.dumps(found))

@@ -11,7 +11,7 @@ examples:
   axisgate learn line week.trace -o draft.toml                       a draft from a recording
   axisgate learn line --tap /dev/ttyUSB0,/dev/ttyUSB1                live, until Ctrl-C; it cannot send
   axisgate learn line --tap COM3,COM4 --seconds 3600 --save h.trace  an hour, kept for later
-exit code: 0 a draft, 1 nothing to learn from, 2 command line or file, 3 a port is not there"""
+exit code: 0 a draft, 1 nothing to learn from, 2 command line or file, 3 no such port"""
 
 
 def main(argv: list[str]) -> int:

@@ -13,7 +13,7 @@ EXAMPLES = """examples:
   axisgate map demo --modbus                                all registers, counted from 0 and from 1
   axisgate map cell.toml --db --format csv -o blocks.csv    for a spreadsheet: semicolon, decimal comma
   axisgate map cell.toml --wiring --signals --format html -o map.html    prints on A4
-exit code: 0 printed, 1 the cell has none of it, 2 cell invalid, 3 the file cannot be written"""
+exit code: 0 printed, 1 the cell has nothing of it, 2 cell invalid, 3 the file cannot be written"""
 FOOTER = "axisgate is not a safety device: emergency stop, guards and enabling devices belong in certified hardware."
 
 

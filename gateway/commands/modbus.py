@@ -37,7 +37,7 @@ def main(argv: list[str]) -> int:
     tool.add_argument("--register", type=int, default=0, help="a register that can be read, base 0 (default 0)")
     tool.add_argument("--coil", type=int, default=0, help="a coil and discrete input that can be read, base 0 (default 0)")
     tool.add_argument(
-        "--write", action="store_true", help="also send invalid writes to --register and --coil; a careless server may carry them out"
+        "--write", action="store_true", help="also send invalid writes to --register and --coil; a careless server may execute them"
     )
     tool.add_argument("--wait", type=float, default=1.0, metavar="S", help="longest wait for an answer (default 1 s)")
     tool.add_argument("--report", metavar="NAME", help="write NAME.json and NAME.html")

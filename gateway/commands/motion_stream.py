@@ -26,7 +26,7 @@ EXAMPLES = """examples:
   axisgate motion stream cell.toml                  statements as they are typed; an empty line: run to the last target
   axisgate motion stream cell.toml - --robot 2      of the second robot of the cell
 a line that begins with ! is an order: !hold, !go, !retrace (back along the path until !hold), !flush (rest on the path, drop what waits),
-!cut N (drop what is behind block N), !single (each block waits for !step; !run ends it), !end (done where the axes are)
+!cut N (drop what follows block N), !single (each block waits for !step; !run ends it), !end (done where the axes are)
 Ctrl-C, or the end of this command, stops on the path and drops the rest.
 exit code: 0 done, 1 refused or ended early, 2 unknown cell or file, 3 no such run"""
 POLL_S = 0.02

@@ -14,10 +14,10 @@ from gateway.tools.new_cell.questions import QUESTIONS, BadAnswer, Question, ans
 from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
-  axisgate new --from s5-rk512 hall3.toml                        asks five questions, Enter takes the value in brackets
+  axisgate new --from s5-rk512 hall3.toml                        asks five questions, Enter accepts the value in brackets
   axisgate new --from rho3 line2.toml --answer axes=6 --defaults asks nothing
   axisgate new --from modbus saw.toml --answer bind=10.0.0.20:502 --answer plc=10.0.0.5 --json
-exit code: 0 written, 2 an answer no cell can be made of, or the file is there already, 3 it cannot be written"""
+exit code: 0 written, 2 an answer is not usable, or the file exists already, 3 it cannot be written"""
 
 
 def main(argv: list[str]) -> int:
@@ -40,7 +40,7 @@ def main(argv: list[str]) -> int:
         complain("new", f"{error}; nothing was written")
         return Exit.INVALID
     except FileExistsError:
-        complain("new", f"{options.file} is there already and stays as it is; name another file")
+        complain("new", f"{options.file} exists already and is not changed; name another file")
         return Exit.INVALID
     except OSError as error:
         complain("new", f"{options.file}: {error.strerror}; nothing was written")

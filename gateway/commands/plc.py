@@ -35,7 +35,7 @@ IN_CELLS = {
     "start": "translate and start, as Start PLC does",
     "stop": "end the cyclic processing; all outputs are 0",
     "ack": "acknowledge the message that is shown",
-    "show": "a program with its test display: state, VKE, ACCU1 and ACCU2 behind each step",
+    "show": "a program with its test display: state, VKE, ACCU1 and ACCU2 after each step",
     "set": "write a marker between two scans",
 }
 EXAMPLES = """examples:
@@ -43,7 +43,7 @@ EXAMPLES = """examples:
   axisgate plc run cell/PLC --start MAIN --virtual --scans 200       what 200 scans do, without any process
   axisgate plc run cell/PLC --start MAIN --virtual --at "3 E0.6=1" --at "9 E0.6=0" --json
   axisgate plc status reis-plc                                       the PLC of a running cell; also start [PROGRAM], stop, ack
-  axisgate plc show reis-plc MAIN                                    its listing with state, VKE and accumulators behind each step
+  axisgate plc show reis-plc MAIN                                    its listing with state, VKE and accumulators after each step
   axisgate plc set reis-plc M10.0 1                                  a marker by hand: M10.0, M10, MD10
   axisgate plc import LIST.TXT --to cell/PLC                         a statement list of STEP 5 or STEP 7 becomes NAME.PLC files
 exit code: 0 done, 1 a finding (faults, a refused start, PLC error, lines not translated, missing blocks), 2 wrong arguments or files"""
@@ -102,7 +102,7 @@ def in_cell(options: argparse.Namespace) -> int:
     if isinstance(cell, int):
         return cell
     if cell.controller is None or cell.controller.plc is None:
-        complain("plc", f"{options.cell} has no PLC: [controller.plc] with start = PROGRAM gives it one")
+        complain("plc", f"{options.cell} has no PLC: [controller.plc] with start = PROGRAM adds one")
         return Exit.INVALID
     try:
         with running(options.name or slug_of(cell)) as client:

@@ -69,7 +69,7 @@ def _record(options: argparse.Namespace) -> int:
         try:
             cell = load_cell(str(status["file"]))
         except CellFaults as faults:
-            return _said(f"the file of the run has been changed and is no cell any more: {faults.faults[0]}", USAGE)
+            return _said(f"the file of the run has been changed and is no longer a valid cell: {faults.faults[0]}", USAGE)
         writer = _writer(options.output, status, cell, rings)
         recorder = Recorder(rings, writer)
         until = time.monotonic() + options.seconds if options.seconds else None

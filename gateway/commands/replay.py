@@ -33,7 +33,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args(argv)
     if options.cell and not options.diff:
-        parser.error("--cell goes with --diff")
+        parser.error("--cell needs --diff")
     try:
         found = read(options.file)
         return _diff(options, found) if options.diff else _show(options, found)
@@ -87,7 +87,7 @@ def _sentences(holds: dict[str, Any]) -> None:
 
 def _diff(options: argparse.Namespace, found: Found) -> int:
     if not found.segments:
-        return _said(f"{options.file}: holds no start; a recording begins when nothing moves", USAGE)
+        return _said(f"{options.file}: contains no start; a recording begins when nothing moves", USAGE)
     with recorded_cell(found) as pristine:
         cell: Cell = pristine
         if options.cell:

@@ -14,7 +14,7 @@ EXAMPLES = """examples:
   axisgate restore cell.zip --to /etc/axisgate --dry-run    check it and report what would be done; changes nothing
   axisgate restore cell.zip --to /etc/axisgate              into a folder that has none of its files, or the same ones
   axisgate restore cell.zip --to /etc/axisgate --replace    other files of that name are kept as NAME.before-TIME
-exit code: 0 restored (or --dry-run: could be), 1 other files are in the way, 2 it is no backup or does not fit, 3 the gateway is running"""
+exit code: 0 restored (or --dry-run: could be), 1 other files are in the way, 2 not a backup or unfit, 3 the gateway is running"""
 
 
 def main(argv: list[str]) -> int:
@@ -54,7 +54,7 @@ def main(argv: list[str]) -> int:
             print(f"kept: {path}")
         for name in manifest.withheld:
             if not (options.to / name).exists():
-                print(f"not in the backup: {name} (a secret); put it there, readable by the user of the gateway alone (0600)")
+                print(f"not in the backup: {name} (a secret); put it there, readable only by the user of the gateway (0600)")
         print(f"restored; next: axisgate check {options.to / manifest.cell}")
     return DONE
 

@@ -1,4 +1,4 @@
-"""Run a cell: drives on the bus, PLCs on their lines (--sim: all simulated; --shadow: listen beside the old controller)."""
+"""Run a cell: drives on the bus, PLCs on their lines (--sim: all simulated; --shadow: listen next to the old controller)."""
 
 import argparse
 import errno
@@ -34,7 +34,7 @@ EXAMPLES = """examples:
   axisgate run cell.toml                        your cell on its real ports
   axisgate run cell.toml --shadow --tap plc=/dev/ttyUSB0,/dev/ttyUSB1 --bus socketcan:can0
   axisgate run cell.toml --shadow --tap plc2=/run/user/1000/plc2.pcap,10.0.0.7:502 --bus socketcan:can0 --tolerance 0.5
-                                                beside the working old controller: nothing is sent, its status is compared with axisgate's
+                                                next to the working old controller: nothing is sent, its status is compared with axisgate's
 """
 SLOW_P5 = 10  # ms, as the demo: the clock of a simulation without real-time priority
 STRETCHED = "real-time priority is refused here: P5 = {p5} ms, and simulated time waits where this machine is late (axisgate doctor)"

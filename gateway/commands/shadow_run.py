@@ -21,7 +21,7 @@ OPTIONS = ("tap", "seconds", "report", "tolerance")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Those of a shadow."""
-    group = parser.add_argument_group("shadow", "beside a working old controller: listen on taps, send nothing, compare")
+    group = parser.add_argument_group("shadow", "next to a working old controller: listen on taps, send nothing, compare")
     group.add_argument(
         "--shadow", action="store_true", help="compare axisgate's status with that of the old controller; no output is opened"
     )
@@ -47,10 +47,10 @@ def misplaced(arguments: argparse.Namespace) -> str:
     """Empty, or which option goes with the other kind of run only."""
     if not arguments.shadow:
         given = next((name for name in OPTIONS if getattr(arguments, name)), "")
-        return f"--{given} goes with --shadow" if given else ""
+        return f"--{given} needs --shadow" if given else ""
     others = ("sim", "modbus_port", "web", "record")
     given = next((name for name in others if getattr(arguments, name) not in (None, False)), "")
-    return f"--{given.replace('_', '-')}: a shadow serves and keeps nothing" if given else ""
+    return f"--{given.replace('_', '-')}: a shadow run serves nothing and retains nothing" if given else ""
 
 
 def run_shadow(arguments: argparse.Namespace, cell: Cell) -> int:

@@ -52,7 +52,7 @@ def main(argv: list[str]) -> int:
         which = each.add_mutually_exclusive_group()
         which.add_argument("--robot", help=f"arm: a file of configs/robots or a path (default {ROBOT})")
         which.add_argument("--cell", help="cell whose robot is the arm")
-        each.add_argument("--strict-priorities", action="store_true", help="give each operator its own priority, as in the manual's tables")
+        each.add_argument("--strict-priorities", action="store_true", help="apply the priority of each operator, as in the manual's tables")
         each.add_argument("--json", action="store_true", help="JSON on standard output")
     run.add_argument("--virtual", action="store_true", required=True, help="in virtual time, without processes")
     run.add_argument("--line-us", type=float, default=1.0, metavar="US", help="virtual time of a program line (default 1)")

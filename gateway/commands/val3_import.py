@@ -49,7 +49,7 @@ def _imported(options: argparse.Namespace, folder: pathlib.Path) -> int:
     chosen = choose(apps, files.disk, options.application or card.start)
     out = options.out or pathlib.Path(f"{chosen.name}.toml")
     if out.exists():
-        raise DiskUnreadable(f"{out} is there already and stays as it is; name another file with --out")
+        raise DiskUnreadable(f"{out} exists already and is not changed; name another file with --out")
     links, sockets = links_of_files([chosen, *(each for each in apps if each is not chosen)])
     family = "rs" if card.arm.lower().startswith(("rs", "ts", "tp")) or _family(chosen) == "rs" else "rx"
     drives = drives_of(read_text(find_config(CELLS[family], "cells")))
@@ -74,7 +74,7 @@ def _folder(card: pathlib.Path, out: pathlib.Path | None) -> pathlib.Path:
     if not (card.is_file() and card.suffix.lower() == ".zip"):
         return card
     if out is not None and out.exists():
-        raise DiskUnreadable(f"{out} is there already and stays as it is; name another file with --out")
+        raise DiskUnreadable(f"{out} exists already and is not changed; name another file with --out")
     folder = out.with_suffix("") if out is not None else pathlib.Path(card.stem)
     unpack_card(card, folder)
     return folder

@@ -65,7 +65,7 @@ def make_parser() -> argparse.ArgumentParser:
         if name in ("add", "password"):
             tool.add_argument("--stdin", action="store_true", help="the password is read from standard input, without asking")
         tool.add_argument("--sim", action="store_true", help="users of the simulated run of this cell")
-        tool.add_argument("--json", action="store_true", help="what is there afterwards as JSON")
+        tool.add_argument("--json", action="store_true", help="the users afterwards as JSON")
     return parser
 
 

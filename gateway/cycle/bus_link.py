@@ -132,7 +132,7 @@ class BusLink:
         self._doubles[index] = self._doubles.get(index, 0) + 1
         if self._doubles[index] == DOUBLES:
             print(
-                f"{self.url}: the actual value of axis {index + 1} comes twice in a cycle: a second device has the same number;"
+                f"{self.url}: the actual value of axis {index + 1} is received twice in a cycle: a second device has the same number;"
                 " switch it off or give it another number",
                 flush=True,
             )

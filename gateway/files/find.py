@@ -48,7 +48,7 @@ def read_text(path: pathlib.Path) -> str:
 def read_octets(path: pathlib.Path, most: int) -> bytes:
     """Read a binary file completely; OSError if it has more than `most` bytes."""
     if path.stat().st_size > most:
-        raise OSError(f"{path}: {path.stat().st_size} bytes, {most} are the most")
+        raise OSError(f"{path}: {path.stat().st_size} bytes, at most {most}")
     return path.read_bytes()
 
 

@@ -24,7 +24,7 @@ def read_programs(folder: pathlib.Path) -> dict[str, str]:
             continue
         name = path.relative_to(folder).with_suffix("").as_posix().upper()
         if name in found:
-            raise ProgramFileFault(f"{path}: {name} is there twice; names differ in more than their case")
+            raise ProgramFileFault(f"{path}: {name} exists twice; names must differ in more than their case")
         found[name] = read_listing(path)
     return found
 
@@ -32,7 +32,7 @@ def read_programs(folder: pathlib.Path) -> dict[str, str]:
 def read_listing(path: pathlib.Path) -> str:
     """A text file of any usual encoding.  ProgramFileFault: too large, or no text."""
     if path.stat().st_size > MOST:
-        raise ProgramFileFault(f"{path}: {path.stat().st_size} bytes, {MOST} are the most")
+        raise ProgramFileFault(f"{path}: {path.stat().st_size} bytes, at most {MOST}")
     data = path.read_bytes()
     if data[:2] not in MARKED and (path.suffix.upper() == ".S5D" or b"\0" in data):
         raise ProgramFileFault(
@@ -47,7 +47,7 @@ def write_programs(folder: pathlib.Path, programs: Mapping[str, str]) -> list[pa
     paths = {folder / f"{name}{SUFFIX}": text for name, text in programs.items()}
     there = [path for path in paths if path.exists()]
     if there:
-        raise ProgramFileFault(f"{there[0]}: is there already; name an empty folder or remove it")
+        raise ProgramFileFault(f"{there[0]}: exists already; name an empty folder or remove it")
     folder.mkdir(parents=True, exist_ok=True)
     for path, text in paths.items():
         path.write_text(text, encoding="utf-8")

@@ -34,7 +34,7 @@ def sources(folder: str) -> list[Source]:
     """All files of a memory, sorted, without hidden ones.  FolderFault if there is no folder."""
     root = Path(folder)
     if not root.is_dir():
-        raise FolderFault(f"{folder} is no folder; name the folder that holds the programs (NAME.MPR, NAME.SPR, ..)")
+        raise FolderFault(f"{folder} is not a folder; name the folder that holds the programs (NAME.MPR, NAME.SPR, ..)")
     locks = locks_of(root)
     files = [(path.relative_to(root).as_posix(), path) for path in _files(root)]
     return [Source(name, text_of(path), locks.get(name, "")) for name, path in files]
@@ -124,7 +124,7 @@ def write(folder: Path, files: Mapping[str, str]) -> None:
     """Write programs; FolderFault if one exists already: nothing is overwritten."""
     there = [name for name in files if (folder / name).exists()]
     if there:
-        raise FolderFault(f"{folder} holds {', '.join(there)} already; name an empty folder")
+        raise FolderFault(f"{folder} already contains {', '.join(there)}; name an empty folder")
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():

@@ -129,7 +129,7 @@ def _copied(folder: Path, file: str, to: str) -> str:
     name = to.strip().removesuffix(f".{kind}")
     new = f"{directory}/{name}.{kind}" if directory else f"{name}.{kind}"
     if not name or "/" in name or name.startswith(".") or any(each.path.upper() == new.upper() for each in sources(str(folder))):
-        raise FolderFault(f"{to}: a program of this name is there, or the name has a '/' or none")
+        raise FolderFault(f"{to}: the name is taken, is empty or contains a '/'")
     text = next(each.text for each in sources(str(folder)) if each.path == file)
     head, line, rest = text.partition("\n")
     before, found, behind = head.rpartition(plain)  # the last one: P is also a letter of MPR

@@ -64,9 +64,11 @@ def _report(path: pathlib.Path, name: str) -> dict[str, object]:
         found = json.loads(read_octets(path, MOST_BYTES))
     except OSError as error:
         why = error.strerror or str(error)
-        raise NoEvidence(f"{name}: {why}; put the JSON of `axisgate drive loss-test CELL --running` beside the cell file") from error
+        raise NoEvidence(
+            f"{name}: {why}; put the JSON of `axisgate drive loss-test CELL --running` into the folder of the cell file"
+        ) from error
     except (ValueError, RecursionError) as error:
-        raise NoEvidence(f"{name} is no report of axisgate drive loss-test (JSON)") from error
+        raise NoEvidence(f"{name} is not a report of axisgate drive loss-test (JSON)") from error
     if not isinstance(found, dict):
-        raise NoEvidence(f"{name} is no report of axisgate drive loss-test (JSON)")
+        raise NoEvidence(f"{name} is not a report of axisgate drive loss-test (JSON)")
     return found

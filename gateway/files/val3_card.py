@@ -29,7 +29,7 @@ class CardFiles:
 def read_card(card: pathlib.Path) -> CardFiles:
     """`card`: the folder with usr, however deep, or one with applications alone.  DiskUnreadable: one sentence."""
     if not card.is_dir():
-        raise DiskUnreadable(f"{card}: there is no such folder; give the copy of a flash card, the folder with usr in it, or its .zip")
+        raise DiskUnreadable(f"{card}: there is no such folder; name the copy of a flash card, the folder with usr in it, or its .zip")
     usrapp = next(_named(card, "usrapp", DEEPEST), None)
     if usrapp is None:
         usrapp = _of_applications(card)
@@ -52,7 +52,7 @@ def _of_applications(card: pathlib.Path) -> pathlib.Path:
     projects = sorted(path for path in card.rglob("*") if path.suffix.lower() == ".pjx" and path.is_file())
     if not projects:
         raise DiskUnreadable(
-            f"{card}: there is no folder usrapp and no .pjx file; give the copy of a flash card, the folder with usr in it"
+            f"{card}: there is no folder usrapp and no .pjx file; name the copy of a flash card, the folder with usr in it"
         )
     own = [path.parent for path in projects if path.stem.lower() == path.parent.resolve().name.lower()] or [projects[0].parent]
     return min((folder.resolve().parent for folder in own), key=lambda folder: len(folder.parts))
@@ -61,12 +61,12 @@ def _of_applications(card: pathlib.Path) -> pathlib.Path:
 def unpack_card(archive: pathlib.Path, folder: pathlib.Path) -> None:
     """Unpack the ZIP of a card into a new folder; DiskUnreadable, and nothing is left, if a part of it is not acceptable."""
     if folder.exists():
-        raise DiskUnreadable(f"{folder} is there already and stays as it is; name another cell file with --out, its folder takes the card")
+        raise DiskUnreadable(f"{folder} exists already and is not changed; name another cell file with --out, its folder receives the card")
     try:
         with zipfile.ZipFile(archive) as opened:
             files = {name: each for each in opened.infolist() if (name := _safe(archive, each))}
             if sum(each.file_size for each in files.values()) > LARGEST_CARD:
-                raise DiskUnreadable(f"{archive}: more than {LARGEST_CARD >> 20} MB; unpack usr/usrapp and usr/configs alone")
+                raise DiskUnreadable(f"{archive}: more than {LARGEST_CARD >> 20} MB; unpack only usr/usrapp and usr/configs")
             contents = {name: opened.read(each) for name, each in files.items()}
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError) as error:
         raise DiskUnreadable(f"{archive}: the ZIP file is damaged or of a kind that is not read ({error})") from None

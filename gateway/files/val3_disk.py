@@ -34,7 +34,7 @@ def read_disk(folder: pathlib.Path) -> Disk:
 def place_of(application: pathlib.Path, disk: pathlib.Path | None) -> tuple[pathlib.Path, str, str]:
     """Folder that is Disk://, folder of the application on it, its name.  `application`: its folder or its project file."""
     if not application.exists():
-        raise DiskUnreadable(f"{application}: there is no such folder or file; give an application's folder or its .pjx file")
+        raise DiskUnreadable(f"{application}: there is no such folder or file; name the folder of an application or its .pjx file")
     if application.is_dir():
         projects = sorted(each for each in application.iterdir() if each.suffix.lower() == ".pjx")
         own = [each for each in projects if each.stem.lower() == application.resolve().name.lower()]
@@ -47,6 +47,6 @@ def place_of(application: pathlib.Path, disk: pathlib.Path | None) -> tuple[path
     folder = application.resolve().parent
     root = disk.resolve() if disk is not None else folder.parent
     if not folder.is_relative_to(root):
-        raise DiskUnreadable(f"{application} is not on the disk {root}; give --disk a folder above the application")
+        raise DiskUnreadable(f"{application} is not on the disk {root}; name a folder above the application with --disk")
     place = folder.relative_to(root).as_posix()
     return root, "" if place == "." else place, application.stem

@@ -68,7 +68,7 @@ class Metrics:
         page.histogram("axisgate_cycle_compute_seconds", "time of a cycle to its set values, sampled ten times a second", self.compute)
         self._axes(page)
         self._links(page)
-        page.metric("axisgate_errors", "gauge", "errors that stand", [({}, float(len(head["errors"])))])
+        page.metric("axisgate_errors", "gauge", "active errors", [({}, float(len(head["errors"])))])
         page.metric("axisgate_error", "gauge", "1: this error is pending", _errors(head["errors"]))
         queue = regions.queue()
         page.metric("axisgate_planner_waiting", "gauge", "blocks that wait", [({}, float(queue["waiting"]))] if queue else [])

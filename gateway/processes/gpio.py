@@ -94,7 +94,7 @@ class Chip:
 def words_of(error: Exception) -> str:
     """The remedy."""
     if isinstance(error, FileNotFoundError):
-        return "no such gpiochip; gpiodetect lists those that are there"
+        return "no such gpiochip; gpiodetect lists those that exist"
     if isinstance(error, PermissionError):
         return "not permitted; add this user to the group gpio, or give the device to it"
     if isinstance(error, OSError) and error.strerror == "Device or resource busy":

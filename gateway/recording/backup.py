@@ -204,13 +204,13 @@ def read(path: pathlib.Path) -> Manifest:
             manifest = _manifest(json.loads(archive.read(MANIFEST)))
             listed = sorted([MANIFEST, *(part.name for part in manifest.parts)])
             if sorted(archive.namelist()) != listed:
-                raise BackupError(f"{path}: holds {', '.join(sorted(archive.namelist()))}; its manifest lists {', '.join(listed)}")
+                raise BackupError(f"{path}: contains {', '.join(sorted(archive.namelist()))}; its manifest lists {', '.join(listed)}")
             if sum(part.size for part in manifest.parts) > MOST_BYTES:
                 raise BackupError(f"{path}: more than {MOST_BYTES >> 20} MiB")
             for part in manifest.parts:
                 _judge(path, archive, part)
     except (zipfile.BadZipFile, KeyError, ValueError, EOFError, NotImplementedError, RuntimeError) as error:
-        raise BackupError(f"{path}: is no backup of axisgate: {error}") from error
+        raise BackupError(f"{path}: is not a backup of axisgate: {error}") from error
     return manifest
 
 

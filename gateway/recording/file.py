@@ -95,7 +95,7 @@ def _position(path: pathlib.Path, content: bytes, run: str) -> tuple[int, int | 
     """Record of the ring up to which the file of this run is complete, and the cycle that continues it; RecordError: not this run's."""
     found = _scanned(path, content)
     if found.head.get("run") != run:
-        raise RecordError(f"{path}: holds another run ({found.head.get('cell', 'no cell')}); name another file")
+        raise RecordError(f"{path}: contains another run ({found.head.get('cell', 'no cell')}); name another file")
     return found.sequence, found.segments[-1].last + 1 if found.continues else None
 
 

@@ -164,7 +164,7 @@ class Recorder:
     def _begin(self, cycle: int, pickled: bytes, more: bytes, sequence: int) -> None:
         """The cycle of our own run, through memory only its user can open, is trusted with its pickle; a file never is."""
         if self._next is not None and self._next != cycle + 1:
-            self._lose("the cycle began anew")
+            self._lose("the cycle was restarted")
         state = pickle.loads(pickled)
         assert isinstance(state, Start)
         tree = {"core": frozen(state.core), "families": frozen(state.families), "late": state.late, "sent": state.sent_ns}

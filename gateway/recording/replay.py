@@ -60,7 +60,7 @@ def recorded_cell(found: Found) -> Iterator[Cell]:
             with stand_ins(place / "cell", manifest):
                 yield load_cell(str(place / "cell" / manifest.cell))
         except BackupError as error:
-            raise RecordError(f"its cell cannot be taken: {error}; axisgate replay FILE --cell CELL takes another") from error
+            raise RecordError(f"its cell cannot be used: {error}; axisgate replay FILE --cell CELL uses another") from error
 
 
 class Bench:
@@ -97,7 +97,7 @@ def replay(
     if [axis.name for axis in cell.axis] != [axis.name for axis in pristine.axis]:
         raise RecordError(f"{cell.file}: other axes than the recording's ({', '.join(axis.name for axis in pristine.axis)})")
     if pristine.belt and any("encoders" not in segment.start for segment in found.segments):
-        raise RecordError(f"{pristine.file}: this file was recorded before axisgate kept the encoders of belts; record it anew")
+        raise RecordError(f"{pristine.file}: this file was recorded before axisgate kept the encoders of belts; record it again")
     if [belt.name for belt in cell.belt] != [belt.name for belt in pristine.belt]:
         raise RecordError(f"{cell.file}: other belts than the recording's ({', '.join(belt.name for belt in pristine.belt) or 'none'})")
     verdict = Verdict()

@@ -287,7 +287,7 @@ class _Carrier:
             kept = self._kept(tree, None)
             if kept is not None:
                 return kept
-            raise StateError(f"the state holds a {tree['kept']}, which a recording does not carry; begin it at rest")
+            raise StateError(f"the state contains a {tree['kept']}, which a recording cannot store; begin it at rest")
         made = self._built(tree)
         if "number" in tree:
             self._made[tree["number"]] = made
@@ -297,7 +297,7 @@ class _Carrier:
         if "enum" in tree:
             kind = _class(tree["enum"])
             if not issubclass(kind, enum.Enum):
-                raise StateError(f"{tree['enum']} is no enumeration")
+                raise StateError(f"{tree['enum']} is not an enumeration")
             return kind(self.build(tree["value"]))
         if "bytes" in tree:
             return bytes.fromhex(tree["bytes"])
@@ -352,5 +352,5 @@ def _class(name: str) -> Any:
     except (ImportError, AttributeError) as error:
         raise StateError(f"{name}: this version has none ({error})") from error
     if not isinstance(found, type):
-        raise StateError(f"{name} is no class")
+        raise StateError(f"{name} is not a class")
     return found

@@ -76,7 +76,7 @@ class Console:
             self._news.append(f"standard output accepts no more lines ({self._reason}); the run continues, the journal is complete")
 
     def _over(self) -> None:
-        self._news.append(f"standard output takes lines again; {self.lost} lines were not shown ({self._reason})")
+        self._news.append(f"standard output accepts lines again; {self.lost} lines were not shown ({self._reason})")
         self._reason, self.lost = "", 0
 
 

@@ -43,7 +43,7 @@ async def patiently(
             if error.errno not in LATE:
                 raise
             if not waited:
-                say(f"{what}: {LATE[error.errno]}; tried again every second until it is there")
+                say(f"{what}: {LATE[error.errno]}; tried again every second until it exists")
             waited = True
         else:
             if waited:

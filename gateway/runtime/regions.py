@@ -114,7 +114,7 @@ class _Mapped:
     def __init__(self, fd: int, kind: int, name: str | None, layout: str | None, writable: bool) -> None:
         size = os.fstat(fd).st_size
         if size < HEADER_BYTES:
-            raise ImageError(f"{name or f'fd {fd}'}: {size} bytes, a header alone has {HEADER_BYTES}")
+            raise ImageError(f"{name or f'fd {fd}'}: {size} bytes, the header has {HEADER_BYTES}")
         self._map = mmap.mmap(fd, size, mmap.MAP_SHARED, mmap.PROT_READ | (mmap.PROT_WRITE if writable else 0))
         self._octets = memoryview(self._map)
         self._words = self._octets[: size // 8 * 8].cast("Q")

@@ -29,7 +29,7 @@ def usable() -> None:
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     except OSError as error:
-        raise PortError(f"{VARIABLE}={folder}: cannot be made ({error.strerror}); name a folder this user may write") from error
+        raise PortError(f"{VARIABLE}={folder}: cannot be made ({error.strerror}); name a folder this user may write to") from error
     if not os.access(folder, os.W_OK):
         raise PortError(f"{VARIABLE}={folder}: cannot be written by this user; name another folder or change its owner")
 

@@ -1,4 +1,4 @@
-"""The history of alarms on disk: one JSON object a line, bounded, kept over restarts; written by the services, read by the page."""
+"""The history of alarms on disk: one JSON object per line, bounded, kept over restarts; written by the services, read by the page."""
 
 import contextlib
 import csv

@@ -48,7 +48,7 @@ class LinkReports:
             self._write(f"connected to {self._link.url}")
         elif not client.connected and not self._away and now - self._started >= PATIENCE:
             self._away = client.why
-            self._write(f"no connection to {self._link.url}: {client.why}; it is tried again until it is there")
+            self._write(f"no connection to {self._link.url}: {client.why}; it is tried again until it exists")
 
     def status(self, client: ModbusClient) -> dict[str, object]:
         """For tools and the page."""

@@ -76,7 +76,7 @@ class ReisPanel:
         self.phg.see(self._view())
         key = str(request.get("key") or request.get("hold") or request.get("release") or "").upper()
         if key and key not in UNIT.names:
-            return {"error": f"{key}: no key of the pendant"}
+            return {"error": f"{key}: not a key of the pendant"}
         if "release" in request and key in self._unseen:
             self._held[key] = now
         elif "release" in request:

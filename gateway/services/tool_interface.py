@@ -265,7 +265,7 @@ class ToolInterface:
             self._streams.say(job, [str(line) for line in texts], str(request.get("then", "")))
             return
         if block is not None and not isinstance(block, int):
-            raise ValueError(f"{what}: block {block!r} is no number")
+            raise ValueError(f"{what}: block {block!r} is not a number")
         try:
             self._streams.order(job, what, block, on=request.get("on", True) is not False)
         except Refusal as refusal:
@@ -293,7 +293,7 @@ class ToolInterface:
         raw = request.get("data")
         data = None if raw is None else bytes.fromhex(str(raw))
         if data is not None and self.held_by_another(connection):
-            raise ValueError(f"not owner: another {self._name} has control; it alone writes objects")
+            raise ValueError(f"not owner: another {self._name} has control; only it may write objects")
         with self._sdo_lock:
             if self._under_way >= MOST_SDO:
                 raise ValueError(f"{MOST_SDO} SDO requests are under way; wait for one of them, then ask again")

@@ -276,7 +276,7 @@ class Variables(Part):
         """A flag of a cell without a control of its own: the partner's."""
         if place.kind is not OperandKind.FLAG or place.bit is None or place.number >= AREA_BYTES:
             return {
-                "error": f"{text}: this cell has no flags, timers and counters beside coordination flags M 0.0..M 255.7; [controller] has"
+                "error": f"{text}: this cell has no flags, timers and counters except coordination flags M 0.0..M 255.7; [controller] has"
             }
         return self._flag(text, FlagBit(place.number, place.bit))
 

@@ -77,7 +77,7 @@ class ToolStreams:
             raise ValueError(_over(job))
         state, stream = self._state(job), self._streams.setdefault(job.id, _Stream(job))
         if state.bound and what in ("hold", "retrace", "flush", "cut", "end_here"):
-            raise ValueError(f"{what}: block {state.block} rides on {state.bound}, which cannot wait: stop ends the stream")
+            raise ValueError(f"{what}: block {state.block} follows {state.bound}, which cannot wait: stop ends the stream")
         match what:
             case "hold":
                 self._dispatcher.hold_move(job)

@@ -157,7 +157,7 @@ def as_number(value: Value) -> float:
     """ValueError: a text or a row of values."""
     if isinstance(value, int | float):
         return float(value)
-    raise ValueError(f"{value!r} is no number")
+    raise ValueError(f"{value!r} is not a number")
 
 
 class NamedValues:

@@ -24,7 +24,7 @@ def why_not_shadow(cell: Cell, taps: Taps, bus: str | None) -> str:
         return "the cell has no [[axis]]: nothing to compare"
     listened = [each for each in cell.bus if each.protocol in SPOKEN]
     if bus is not None and len(listened) > 1:
-        return f"--bus stands for one bus, the cell has {', '.join(each.name for each in listened)}: set their ports in the cell"
+        return f"--bus names one bus, the cell has {', '.join(each.name for each in listened)}: set their ports in the cell"
     if bus is None and any(each.port == "sim" for each in listened):
         return f"bus {listened[0].name} has port sim; name the bus of the old controller, e.g. --bus socketcan:can0"
     return _why_no_tap(cell, taps)

@@ -108,9 +108,9 @@ def _row(number: int, cells: Mapping[str, str]) -> Row:
             try:
                 float(text)
             except ValueError:
-                raise MappingFault(f"line {number}, {name}: {cells[name]!r} is no number") from None
+                raise MappingFault(f"line {number}, {name}: {cells[name]!r} is not a number") from None
         if name in (*WHOLE, "block") and text and not text.isdecimal():
-            raise MappingFault(f"line {number}, {name}: {cells[name]!r} is no whole number")
+            raise MappingFault(f"line {number}, {name}: {cells[name]!r} is not a whole number")
         values["from_" if name == "from" else name] = text
     missing = next((name for name in NEEDED.get(values["table"], ()) if not values[name]), "")
     if missing:

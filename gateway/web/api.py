@@ -115,7 +115,7 @@ class Api:
     async def drop_kept(self, call: Call) -> Row:
         body: Kept = call.body
         if not self.store.drop_kept(body.kind, body.name):
-            raise StoreError(f"nothing is kept under {body.name}")
+            raise StoreError(f"nothing is stored under {body.name}")
         return {"kept": self.store.kept(body.kind)}
 
     async def errors(self, call: Call) -> Row:
@@ -309,13 +309,13 @@ def plc_endpoints(api: Api) -> list[Endpoint]:
             "GET",
             "/api/val3/page",
             v,
-            "a user page of the VAL 3 application, without scripts, or an image beside it",
+            "a user page of the VAL 3 application, without scripts, or an image next to it",
             api.val3_page,
             query=VAL3_PAGE,
         ),
         row("POST", "/api/val3/act", o, "click, entry, answer, value, hold or connection move of it", api.val3_act, Val3Act, True),
         row("GET", "/api/plc/listing", v, "steps of a program of the integrated PLC", api.plc_listing, query=PLC_STEPS),
-        row("GET", "/api/plc/shown", v, "its test display: state, VKE and accumulators behind each step", api.plc_shown, query=PLC_STEPS),
+        row("GET", "/api/plc/shown", v, "its test display: state, VKE and accumulators after each step", api.plc_shown, query=PLC_STEPS),
         row("POST", "/api/plc/start", o, "translate and start it, as Start PLC does", api.plc_start, PlcStart, True),
         row("POST", "/api/plc/stop", o, "end its cyclic treatment; all outputs are 0", api.plc_stop, None, True),
         row("POST", "/api/plc/ack", o, "acknowledge its message", api.plc_ack, None, True),

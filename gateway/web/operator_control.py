@@ -32,7 +32,7 @@ Held = tuple[str, int, int]  # "jog", axis, direction; "reference", mask, 0
 
 
 class NotYours(Exception):
-    """Another user holds the page's command source."""
+    """Another user has the page's command source."""
 
 
 class OperatorControl:
@@ -94,7 +94,7 @@ class OperatorControl:
 
     async def _request(self, key: str, name: str) -> Row:
         if self.holder and self.holder != key:
-            raise NotYours(f"{self.name} holds the page's command source")
+            raise NotYours(f"{self.name} has the page's command source")
         answer = await self.services_link.command("request_control")
         if answer["state"] in ("DONE", "ACCEPTED"):
             self.holder, self.name, self._heard = key, name, time.monotonic()
@@ -103,7 +103,7 @@ class OperatorControl:
     def free(self, key: str) -> None:
         """No other user has control; NotYours."""
         if self.holder and self.holder != key:
-            raise NotYours(f"{self.name} holds the page's command source")
+            raise NotYours(f"{self.name} has the page's command source")
 
     async def start_program(self, key: str, name: str, *, do: str = "start", **more: object) -> Row:
         """It moves as the page while this user has control, else as the PLC; NotYours, Gone, Refused."""
@@ -114,7 +114,7 @@ class OperatorControl:
 
     def _mine(self, key: str) -> None:
         if not key or self.holder != key:
-            raise NotYours(f"{self.name} holds the page's command source" if self.holder else "request control first")
+            raise NotYours(f"{self.name} has the page's command source" if self.holder else "request control first")
         self._heard = time.monotonic()
 
     async def job(self, number: int) -> Row:

@@ -28,7 +28,7 @@ class Skeleton:
             self._load(cell.robot[0].model)
         if len(cell.robot) > 1 and not self.why:
             first, *others = (f"{robot.name} ({robot.model})" for robot in cell.robot)
-            self.why = f"{first} is drawn, without {', '.join(others)}: where they stand to each other is not known"
+            self.why = f"{first} is drawn, without {', '.join(others)}: their relative position is not known"
 
     def _load(self, model: str) -> None:
         """Kinematics and robot files are slow to load: only for a cell with a robot."""

@@ -263,7 +263,7 @@ class Store:
             try:
                 return self._db.execute(text, values).rowcount
             except sqlite3.OperationalError as error:
-                raise StoreError(f"it cannot be kept ({error}); free space on the disk of {self.path.parent}") from error
+                raise StoreError(f"it cannot be stored ({error}); free space on the disk of {self.path.parent}") from error
 
 
 def _hashed(secret: str) -> str:

@@ -36,7 +36,7 @@ class Val3View:
         table = self._cell.val3
         data = None if table is None else await asyncio.to_thread(image_of, disk_folder(self._cell, table), folder, name, file)
         if data is None:
-            raise KeyError(f"there is no image {file} beside the user page {name}")
+            raise KeyError(f"there is no image {file} next to the user page {name}")
         return {"name": file, "data": data}
 
     async def act(self, **facts: object) -> Row:

@@ -212,7 +212,7 @@ def test_what_is_no_pose_or_no_orientation_is_refused() -> None:
     with pytest.raises(MotionError, match="finite"):
         check_pose(Pose((math.nan, 0, 0), IDENTITY.rotation))
     for last in (2, -1):
-        with pytest.raises(MotionError, match="no rotation"):
+        with pytest.raises(MotionError, match="do not form a rotation"):
             check_pose(Pose((0, 0, 0), (1, 0, 0, 0, 1, 0, 0, 0, last)))
     for none in ((0.0, 0.0, 0.0, 0.0), (math.nan, 0.0, 0.0, 1.0)):
         with pytest.raises(MotionError):

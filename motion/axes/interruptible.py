@@ -54,7 +54,7 @@ class DriveOn:
                 self.unaccepted.add(n)
             self.on[n] = joins or (self.on[n] and wanted[n])
         if refused:
-            raise AxisError(DRIVE_ON_NOT_ALLOWED, refused[0] + 1, "the axes of the kinematic must stand")
+            raise AxisError(DRIVE_ON_NOT_ALLOWED, refused[0] + 1, "the axes of the kinematic must be at rest")
         return tuple(result)
 
     def accept(self, *, until: bool) -> None:

@@ -180,12 +180,12 @@ class Follower:
         else:
             states = {axis: before.nodes[-1][3 * k : 3 * k + 3] for k, axis in enumerate(before.axes)}
             if piece.id <= before.id:
-                raise PieceError(f"piece {piece.id}: comes behind piece {before.id}, ids must rise")
+                raise PieceError(f"piece {piece.id}: follows piece {before.id}, ids must rise")
         for k, axis in enumerate(piece.axes):
             q, v, a = piece.nodes[0][3 * k : 3 * k + 3]
             p, w, b = states.pop(axis, (q, 0.0, 0.0))
             if abs(q - p) > FIT or abs(v - w) > FIT_SPEED * (1 + abs(w)) or abs(a - b) > FIT_ACCEL * (1 + abs(b)):
-                raise PieceError(f"piece {piece.id}: axis {axis} goes on at {q, v, a}, it was left at {p, w, b}")
+                raise PieceError(f"piece {piece.id}: axis {axis} continues at {q, v, a}, it ended at {p, w, b}")
         if any(abs(state[1]) > FIT_SPEED for state in states.values()):
             raise PieceError(f"piece {piece.id}: an axis that still moves has no part in it")
 

@@ -117,7 +117,7 @@ def _check_head(piece: Piece) -> None:
     if not 2 <= len(piece.table) <= MAX_TABLE:
         raise PieceError(f"piece {piece.id}: {len(piece.table)} points in the sdot^2 table, 2 .. {MAX_TABLE} allowed")
     if not all(math.isfinite(value) and value > 0 for value in piece.table):
-        raise PieceError(f"piece {piece.id}: the sdot^2 table holds a value that is not a number > 0")
+        raise PieceError(f"piece {piece.id}: the sdot^2 table contains a value that is not a number > 0")
 
 
 def _check_segments(piece: Piece) -> None:

@@ -283,7 +283,7 @@ class Stepper:
             positions.update(zip(earlier.axes, earlier.end(), strict=True))
         for axis, value in zip(piece.axes, piece.start(), strict=True):
             if not abs(value - positions[axis]) <= FIT:
-                raise PieceError(f"piece {piece.id}: starts at {value} on axis {axis}, which will stand at {positions[axis]}")
+                raise PieceError(f"piece {piece.id}: starts at {value} on axis {axis}, which will be at {positions[axis]}")
 
     def _next_piece(self) -> None:
         if self._state is STOPPING:  # the piece ended before the stop could

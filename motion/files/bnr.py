@@ -52,7 +52,7 @@ def encode(header: Header, points: Sequence[Sequence[float]]) -> bytes:
 def decode_header(data: bytes) -> Header:
     """First 80 bytes -> Header; of a file cut shorter nothing is guessed."""
     if len(data) < HEADER:
-        raise BnrError(f"{len(data)} bytes: the header alone has {HEADER}")
+        raise BnrError(f"{len(data)} bytes: the header has {HEADER}")
     numbers = _FIELDS.unpack_from(data)
     return Header(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5], numbers[6:])
 
@@ -61,5 +61,5 @@ def points(data: bytes, axes: int, offset: int) -> tuple[tuple[float, ...], ...]
     """Positions from this byte to the end, (cycles,) of (axes,), as they are in the file."""
     size = 4 * axes
     if axes < 1 or not 0 <= offset <= len(data) or (len(data) - offset) % size:
-        raise BnrError(f"{len(data) - offset} bytes from byte {offset} are no whole points of {axes} axes")
+        raise BnrError(f"{len(data) - offset} bytes from byte {offset} are not a whole number of points of {axes} axes")
     return tuple(struct.iter_unpack(f"<{axes}f", data[offset:]))

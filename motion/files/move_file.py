@@ -120,7 +120,7 @@ class MoveFiles:
         size = 4 * header.axes
         if (len(file.data) - header.length) % size or (len(file.data) - file.offset) % size or len(file.data) <= file.offset:
             left = len(file.data) - file.offset
-            raise MoveFileError(FORMAT, f"{name}: {left} bytes from byte {file.offset} are no points of {header.axes} axes")
+            raise MoveFileError(FORMAT, f"{name}: {left} bytes from byte {file.offset} do not make whole points of {header.axes} axes")
         rows = bnr.points(file.data, header.axes, file.offset)
         for number, row in enumerate(rows, 1):  # the old controller looked at the first and last only
             if not all(map(math.isfinite, row)):

@@ -68,7 +68,7 @@ class FilePath:
         """MotionError for more points than one block can have in a cell."""
         (points, axes), most = self.rows.shape, MOST_PIECES * (most_nodes(self.rows.shape[1]) - 1)
         if points - 1 > most:
-            raise MotionError(f"a file of {points - 1} points: one block takes at most {most} of {axes} axes; divide it into several files")
+            raise MotionError(f"a file of {points - 1} points: one block has at most {most} of {axes} axes; divide it into several files")
 
     def pieces(self, limits: Sequence[AxisLimits], *, first_id: int, mask: int, block: int) -> list[TimedPiece]:
         """All of it."""

@@ -129,7 +129,7 @@ def rotation_of(quaternion: Quaternion) -> Rotation:
     w, x, y, z = quaternion
     square = w * w + x * x + y * y + z * z
     if not 0.0 < square < math.inf:  # a NaN fails here too
-        raise MotionError(f"{quaternion} is no orientation")
+        raise MotionError(f"{quaternion} is not an orientation")
     s = 2.0 / square
     xs, ys, zs = x * s, y * s, z * s
     wx, wy, wz = w * xs, w * ys, w * zs
@@ -145,7 +145,7 @@ def from_quaternion(position: Vector, quaternion: Quaternion) -> Pose:
 def check_pose(pose: Pose) -> Pose:
     """Return the pose.  Raise MotionError when a number is not finite or the matrix is not a rotation."""
     if not all(map(math.isfinite, (*pose.position, *pose.rotation))):
-        raise MotionError(f"a pose holds a value that is no finite number: {pose}")
+        raise MotionError(f"a pose holds a value that is not a finite number: {pose}")
     a, b, c, d, e, f, g, h, i = pose.rotation
     faults = (
         a * a + b * b + c * c - 1.0,
@@ -156,5 +156,5 @@ def check_pose(pose: Pose) -> Pose:
         a * e - b * d - i,
     )
     if max(map(abs, faults)) > ORTHOGONAL:
-        raise MotionError(f"the nine numbers of a pose are no rotation: {pose.rotation}")
+        raise MotionError(f"the nine numbers of a pose do not form a rotation: {pose.rotation}")
     return pose

@@ -122,7 +122,7 @@ class Arm6:
         try:
             forwards = g.arm * math.sin(t2) + g.forearm * math.sin(t2 + t3) + g.elbow * math.cos(t2 + t3) + g.delta
         except ValueError:
-            raise MotionError(f"joints with {t2} and {t3} hold a value that is no finite number") from None
+            raise MotionError(f"joints with {t2} and {t3} hold a value that is not a finite number") from None
         bend = wrapped(t3 + self._fixed[6])
         return forwards >= -BORDER, not BORDER - math.pi < bend < -BORDER
 
@@ -279,7 +279,7 @@ class Arm6:
         """Says how far the wrist centre is and how far it may be."""
         g, (x, y, z) = self.geometry, pose.position
         if not all(map(math.isfinite, (*pose.position, *pose.rotation))):
-            return "the pose holds a value that is no finite number"
+            return "the pose holds a value that is not a finite number"
         r13, r23, r33 = pose.rotation[2::3]
         x, y, z = x - g.flange * r13, y - g.flange * r23, z - g.flange * r33 - g.height
         sideways = x * x + y * y - g.side * g.side

@@ -108,7 +108,7 @@ class Chooser:
         if not branches:
             return Unreachable("out of reach")
         if not all(map(math.isfinite, (*near, *branches[0][0]))):
-            return Unreachable("the pose, or the joints to start from, hold a value that is no finite number")
+            return Unreachable("the pose, or the joints to start from, hold a value that is not a finite number")
         blamed = [self._blamed(joints, near) for joints, _ in branches]
         if None in blamed and wanted is not None:
             words = f"{wanted.shoulder.value} {wanted.elbow.value} {wanted.wrist.value}"

@@ -43,7 +43,7 @@ class DhParameters:
         if sizes != (6,) * 5 or len(self.d) not in (6, 7):
             raise MotionError("six values in each array are needed, in d six or seven")
         if not all(map(math.isfinite, (*self.theta, *self.d, *self.a, *self.b, *self.alpha, *self.beta))):
-            raise MotionError("a geometric parameter is no finite number")
+            raise MotionError("a geometric parameter is not a finite number")
 
     def links(self) -> tuple[Pose, ...]:
         """Elements between the turning axes: before joint 2, .., before joint 6, after joint 6."""

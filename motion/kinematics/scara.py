@@ -103,7 +103,7 @@ class Scara:
         (x, y, _), rotation = pose
         far = math.hypot(x, y)
         if not math.isfinite(far + pose.position[2] + sum(rotation)):
-            return Unreachable("the pose holds a value that is no finite number")
+            return Unreachable("the pose holds a value that is not a finite number")
         if abs(rotation[2]) > STRAY or abs(rotation[5]) > STRAY or (rotation[8] > 0.0) is self.down:
             return Unreachable("a SCARA cannot tilt its flange", number=534)
         least, most = abs(self.arm - self.forearm) * 1e3, (self.arm + self.forearm) * 1e3

@@ -79,7 +79,7 @@ class Urdf:
         if configuration is not None and configuration != FREE:
             raise WrongConfiguration("this robot's configurations have no names")
         if not all(map(math.isfinite, (*pose.position, *pose.rotation, *near))):
-            raise Unreachable("the pose holds a value that is no finite number")
+            raise Unreachable("the pose holds a value that is not a finite number")
         for start in (np.array(near, dtype=float), *self._starts):
             joints = self._search(pose, start)
             if joints is not None:

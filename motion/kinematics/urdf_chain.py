@@ -80,7 +80,7 @@ def chain_of(text: str, frame: str) -> Chain:
         way.insert(0, above[here])
         here = _link(above[here], "parent")
     if here not in links:
-        raise MotionError(f"joint {way[0].get('name')!r} of the URDF is attached to the link {here!r}, which is not there")
+        raise MotionError(f"joint {way[0].get('name')!r} of the URDF is attached to the link {here!r}, which does not exist")
     return Chain(_followed([_joint(element) for element in way], way, frame))
 
 
@@ -88,7 +88,7 @@ def _root(text: str) -> Xml.Element:
     try:
         root = Xml.fromstring(text)
     except (Xml.ParseError, ValueError) as error:
-        raise MotionError(f"the URDF is no XML: {error}" + (f"; {XACRO}" if "xacro:" in text else "")) from error
+        raise MotionError(f"the URDF is not XML: {error}" + (f"; {XACRO}" if "xacro:" in text else "")) from error
     for element in root.iter():
         if "xacro" not in element.tag:
             element.tag = element.tag.rpartition("}")[2]
@@ -130,7 +130,7 @@ def _followed(joints: Sequence[ChainJoint], way: Sequence[Xml.Element], frame: s
 
     def moved_by(name: str, *behind: str) -> tuple[int, float, float]:
         if name not in moving:
-            raise MotionError(f"joint {behind[0]!r} of the URDF follows {name!r}, which is no moving joint on the way to {frame!r}")
+            raise MotionError(f"joint {behind[0]!r} of the URDF follows {name!r}, which is not a moving joint on the way to {frame!r}")
         if name in behind:
             raise MotionError(f"joint {name!r} of the URDF follows itself")
         mimic = moving[name].find("mimic")

@@ -82,5 +82,5 @@ def _counts(probe: _Armed, edge: Edge) -> bool:
 def admitted_board(channel: int) -> int:
     """Board of a probe channel 6x0; ProgramFault inadmissable input for others."""
     if not (600 < channel < 700 and channel % 10 == 0):
-        raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel} is no probe 6x0")
+        raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel} is not a probe 6x0")
     return channel // 10 % 10

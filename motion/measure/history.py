@@ -51,7 +51,7 @@ class History:
         if not all(map(isfinite, (*q, *(qd or ())))):
             raise MotionError(f"positions {tuple(q)} are not all numbers")
         if self._places and stamp_ns <= self._places[-1].stamp_ns:
-            raise MotionError(f"positions of {stamp_ns} ns come behind those of {self._places[-1].stamp_ns} ns")
+            raise MotionError(f"positions of {stamp_ns} ns come after those of {self._places[-1].stamp_ns} ns")
         self._places.append(_Place(stamp_ns, tuple(q), None if qd is None else tuple(qd)))
 
     def at(self, stamp_ns: int) -> tuple[float, ...]:

@@ -77,11 +77,11 @@ def admitted(channel: int, boards: Mapping[int, Board]) -> MeasuringInput:
         return asked
     board = boards.get(asked.board)
     if board is None:
-        raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel}: servo board {asked.board} is not there")
+        raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel}: servo board {asked.board} does not exist")
     if asked.by_edge and not board.probe:
         raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel}: servo board {asked.board} has no probe input")
     if asked.number > board.high_speed:
-        raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel}: P11 gives board {asked.board} {board.high_speed} high-speed inputs")
+        raise ProgramFault(INADMISSABLE_INPUT, f"channel {channel}: P11 states board {asked.board} {board.high_speed} high-speed inputs")
     return asked
 
 

@@ -39,7 +39,7 @@ class Latch:
     def set_latch(self, name: str, now_ns: int) -> None:
         """setLatch(diInput): discard the latched value and wait for the next rising edge."""
         if name not in FAST_INPUTS:
-            raise RuntimeFault(70, f"setLatch: {name} is no fast input, {' and '.join(FAST_INPUTS)} are")
+            raise RuntimeFault(70, f"setLatch: {name} is not a fast input, {' and '.join(FAST_INPUTS)} are")
         self._input, self._from_ns = name, now_ns + ARMING_NS
         self._risen = self._caught = self._position = None
 

@@ -33,7 +33,7 @@ class MachinePosition:
     def mach_pos(self, point: Sequence[float], measured: Sequence[float], *, at_rest: bool = True) -> None:
         """SF 3.  Refused on the way: the set values would jump (AX-463)."""
         if not at_rest:
-            raise MotionError("MACH_POS: the axes must stand")
+            raise MotionError("MACH_POS: the axes must be at rest")
         axes = len(self.limits)
         if len(point) not in (axes, axes + self.belts):
             raise MotionError(f"MACH_POS: {len(point)} components for {axes} axes and {self.belts} belts")

@@ -96,7 +96,7 @@ def around(start: Pose, second: Pose, third: Pose, angle: float, rise: float = 0
     moving with the contour."""
     _check_distances(start, second, third)
     if not 0.0 < angle < math.inf:
-        raise PathError(f"an arc of {math.degrees(angle):.6g} deg is no way", 552)
+        raise PathError(f"an arc of {math.degrees(angle):.6g} deg has no length", 552)
     centre, towards, along, _ = _circle(start.position, second.position, third.position)
     if _angle(centre, towards, along, second.position) > _angle(centre, towards, along, third.position):
         along = scale(along, -1.0)
@@ -109,7 +109,7 @@ def helix(start: Pose, centre: Vector, axis: Vector, angle: float, rise: float, 
     foot = add(centre, scale(along_axis, dot(sub(start.position, centre), along_axis)))
     radius = norm(sub(start.position, foot))
     if radius < NEAR_M or not math.isfinite(angle) or angle == 0.0:
-        raise PathError("the start lies on the axis of the circle, or the angle is no number but 0", 552)
+        raise PathError("the start lies on the axis of the circle, or the angle is 0 or not a number", 552)
     towards = scale(sub(start.position, foot), 1 / radius)
     turn = math.copysign(1.0, angle)
     along = scale(cross(along_axis, towards), turn)

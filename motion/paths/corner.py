@@ -111,7 +111,7 @@ def corner(before: Curve, after: Curve, leave: float, reach: float) -> Corner | 
     into, out = before.derivatives(before.length), after.derivatives(0.0)
     u1, u2 = _tangents(into, out)
     if norm(add(u1, u2)) < SHARPEST:
-        raise PathError("the path goes back on itself: nothing rounds this corner")
+        raise PathError("the path reverses here: this corner cannot be rounded")
     straight = _straight(before) and _straight(after)
     if straight:
         turned = norm(add(scale(into.w, leave), scale(out.w, reach)))

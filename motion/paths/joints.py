@@ -116,7 +116,7 @@ def _state(path: JointPath, s: float) -> Array:
 def joint_part(path: JointPath, start: float, end: float) -> JointPath:
     """The stretch start .. end of a path."""
     if not -1e-12 <= start < end <= path.length * (1 + 1e-12) + 1e-12:
-        raise PathError(f"{start} .. {end} is no stretch of a path of length {path.length}")
+        raise PathError(f"{start} .. {end} is not a section of a path of length {path.length}")
     if len(path.coefficients) == 1:
         return JointPath(np.array([0.0, end - start]), shifted(path.coefficients[0], float(start))[None])
     inner = path.knots[(path.knots > start + 1e-12) & (path.knots < end - 1e-12)]

@@ -18,7 +18,7 @@ def line(start: Pose, end: Pose) -> Polynomial:
     """
     for value in (*start.position, *end.position, *start.rotation, *end.rotation):
         if not math.isfinite(value):
-            raise PathError(f"a pose holds {value}, which is no number")
+            raise PathError(f"a pose holds {value}, which is not a number")
     if is_half_turn(start.rotation, end.rotation):
         raise PathError("the orientation changes by exactly half a turn: its direction is not defined", 553)
     step, turn = sub(end.position, start.position), between(start.rotation, end.rotation)

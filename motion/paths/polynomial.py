@@ -107,7 +107,7 @@ def part(curve: Curve, start: float, end: float) -> Part:
     """The stretch start .. end; PathError when it is empty or not on the curve."""
     slack = 1e-9 * curve.length
     if not -slack <= start < end <= curve.length + slack:
-        raise PathError(f"{start} .. {end} is no stretch of a curve of length {curve.length}")
+        raise PathError(f"{start} .. {end} is not a section of a curve of length {curve.length}")
     return Part(curve, max(start, 0.0), min(end, curve.length) - max(start, 0.0))
 
 

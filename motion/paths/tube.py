@@ -86,7 +86,7 @@ def _bend(curve: Chain) -> float:
 def _polynomial(curve: Chain, number: int) -> Polynomial:
     interval = curve.curves[number]
     if not isinstance(interval, Polynomial):
-        raise PathError(f"interval {number} of a spline is no polynomial")
+        raise PathError(f"interval {number} of a spline is not a polynomial")
     return interval
 
 

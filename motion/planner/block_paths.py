@@ -189,7 +189,7 @@ def _along(curve: Curve, course: Course, block: Block, position: Joints, machine
         if blamed is not None and (jumps or turns_more(blamed)):
             raise run_out(blamed, where) from error
         if jumps:
-            what = f"the joints would have to jump {where} along the path: it meets a singularity or another configuration"
+            what = f"the joints would have to jump {where} along the path: there is a singularity or another configuration"
             raise SingularPose(what, _farthest(machine, flange, error.joints)) from error
         raise BlockError(f"{_words(error)}, {where} along the path", code=error.number, axis=error.axis, source="VAL 3") from error
 
@@ -283,7 +283,7 @@ def check_numbers(block: Block) -> None:
     values += block.target.q if isinstance(block.target, JointTarget) else block.target.extra
     values += (block.angle or 0.0, block.rise, block.blend.leave, block.blend.reach, block.blend.distance, *block.blend.axes)
     if not all(map(math.isfinite, values)):
-        raise BlockError("a value is no finite number", code=154, source="VAL 3")
+        raise BlockError("a value is not a finite number", code=154, source="VAL 3")
     pace = block.pace
     for name, wanted in (("speed", pace.speed), ("acceleration", pace.accel), ("deceleration", pace.decel)):
         if not 0.0 < wanted < math.inf:

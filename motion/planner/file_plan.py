@@ -58,7 +58,7 @@ def _check_rounds(run: Playback, machine: Machine, name: str, number: int) -> No
     for axis, flag, last, there in zip(machine.limits, run.flags, run.rows[-1], run.end_position(), strict=True):
         modulo = from_si(axis.modulo, axis.unit)
         if flag == BY_FILE and abs(within(last, modulo) - there) > ROUNDING * modulo:
-            what = f"{name}: modulo flag 1, and {last:g} {axis.unit} at its end are no whole number of rounds of {modulo:g} {axis.unit}"
+            what = f"{name}: modulo flag 1, and {last:g} {axis.unit} at its end are not a whole number of rounds of {modulo:g} {axis.unit}"
             raise BlockError(what, block=number, axis=axis.name)
 
 

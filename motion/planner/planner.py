@@ -50,7 +50,7 @@ NAMED = 32  # stretches in a run up to which its pieces end where blocks end
 SMALLEST = 1e-9
 STOPS = attrgetter("stop")
 PASSED = 1e-6  # share of a block that may be left where a piece ends with it
-NO_WAY = "what the block begins or ends with needs a way: none is left behind it, and none before it"
+NO_WAY = "this action needs a motion to attach to: there is none before or after the block"
 
 
 @dataclass
@@ -94,7 +94,7 @@ class Planner:
     def robot(self) -> Machine:
         """The one robot this planner is for; MotionError for a team."""
         if isinstance(self.machine, Team):
-            raise MotionError("several kinematics: this is for one robot alone")
+            raise MotionError("several kinematics: this is possible for one robot only")
         return self.machine
 
     # ---- blocks --------------------------------------------------------------------------------------------------------
@@ -143,7 +143,7 @@ class Planner:
             case Route() as route, Block() as own:
                 number = route.add(own)
             case _:
-                raise MotionError("a team takes shared blocks, a robot alone its own")
+                raise MotionError("a team runs shared blocks, a single robot its own")
         self._take()
         if self.cuts and isinstance(self._route, Route):
             self._behind.append((number, self._route.kept()))

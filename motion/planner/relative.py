@@ -89,7 +89,7 @@ def check_shift(shift: Shift) -> None:
     if shift.angles is not None and len(shift.values) != 6:
         raise BlockError(f"{len(shift.values)} values of a relative pose, six are needed", code=154, source="VAL 3")
     if not all(map(math.isfinite, (*shift.values, *shift.extra))):
-        raise BlockError("a value is no finite number", code=154, source="VAL 3")
+        raise BlockError("a value is not a finite number", code=154, source="VAL 3")
 
 
 def check_absolute(block: Block) -> None:

@@ -161,7 +161,7 @@ class TeamRoute:
         """What one of them does alone, in a route of its own (gateway.pure.planning.trial, gateway.tools.motion.dry_run_team)."""
         assert block is not None
         if block.synchron or block.on_belt or block.alteration or block.acts:
-            what = "a block on a belt, or with a correction, is no block of a path of several kinematics"
+            what = "a block on a belt, or with a correction, is not a block of a path of several kinematics"
             raise BlockError(f"kinematic {self._team.names[kinematic]}: {what}", block=number)
 
     def _add_alone(self, number: int, n: int, shared: Shared) -> bool:
@@ -179,7 +179,7 @@ class TeamRoute:
         """Whether one of them has a way."""
         now = self._now
         if any(block is not None and block.kind is Interpolation.SPLINE for block in shared.moves):
-            raise BlockError("splines are run by one kinematic alone, not in a shared block", block=number)
+            raise BlockError("splines are run by one kinematic only, not in a shared block", block=number)
         if sum(any(output.before for output in block.outputs) for block in shared.moves if block is not None) > 1:
             raise BlockError("outputs before the end of a shared block are measured on the way of one kinematic", block=number)
         shared = _timed(shared, number)
@@ -344,7 +344,7 @@ def _check_asked(shared: Shared, number: int) -> None:
         raise BlockError("only one kinematic may define what a shared block waits for, or ends with", block=number)
     if sum(block.recorded != 0 for block in shared.own) > 1:
         raise BlockError(
-            "one kinematic alone of a shared block goes to an entry: recorded of another one needs a block of its own", block=number
+            "only one kinematic of a shared block can move to an entry: recorded of another one needs its own block", block=number
         )
     if len(labels := sorted({block.otherwise for block in shared.own} - {""})) > 1:
         raise BlockError(f"a shared block continues at one label, not at {' and '.join(labels)}: error= of one of them", block=number)

@@ -86,7 +86,7 @@ class Alter:
     def __post_init__(self) -> None:
         ratio = self.every_s / self.period_s if self.period_s > 0 else 0.0
         if ratio < 1.0 or abs(ratio - round(ratio)) > 1e-6:
-            raise MotionError(f"period {self.period_s:g} s is no whole part of {self.every_s * 1e3:g} ms")
+            raise MotionError(f"period {self.period_s:g} s does not divide evenly into {self.every_s * 1e3:g} ms")
 
     # ---- instructions --------------------------------------------------------------------------------------------------
     def begin(self, reference: Reference, frame: Pose, limits: AlterLimits, *, apart: bool = False) -> int:

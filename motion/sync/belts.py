@@ -101,7 +101,7 @@ class Belts:
             raise MotionError(f"P501 = {len(self.data)}: at most {MOST_BELTS} belts")
         self._every = round(self.cycle_s / self.period_s) if self.period_s > 0 else 0
         if self._every < 1 or abs(self._every * self.period_s - self.cycle_s) > 1e-9:
-            raise MotionError(f"interpolation cycle {self.cycle_s:g} s is no multiple of the period {self.period_s:g} s")
+            raise MotionError(f"interpolation cycle {self.cycle_s:g} s is not a multiple of the period {self.period_s:g} s")
         self.all = tuple(Belt(number, data, Watch(self.cycle_s)) for number, data in enumerate(self.data, 1))
         self._set = [False] * len(self.all)
         self._cycle_ways = [0.0] * len(self.all)
@@ -117,7 +117,7 @@ class Belts:
         """SF 28: the value (mm or deg) that the signal and SYNC load from now on; the counter itself stays."""
         belt = self.belt(number)
         if not abs(value) < 1e9:
-            raise MotionError(f"belt {number}: reset value {value:g} is no usable number")
+            raise MotionError(f"belt {number}: reset value {value:g} is not a usable number")
         belt.reset_value = to_si(value, belt.data.unit)
 
     def belt_type(self, number: int, type_belt: int) -> None:

@@ -115,7 +115,7 @@ class BeltPlan:
             check_shift(block.shift)
         if block.on_belt is not None or (block.shift is None and given):
             what = "belt=" if block.on_belt is not None else f"an absolute place of {self.machine.name(joint)}"
-            why = f"{what}: the axis parallel to belt {self.facts.name} is endless and goes by differences alone, rel joints or rel pose"
+            why = f"{what}: the axis parallel to belt {self.facts.name} is endless and moves by differences only, rel joints or rel pose"
             raise BlockError(f"{TEXTS[NOT_POSSIBLE]}: {why}", code=NOT_POSSIBLE, source="rho 3")
 
     def _check_place(self, block: Block) -> None:

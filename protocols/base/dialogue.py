@@ -73,7 +73,7 @@ def _take(dialogues: list[Dialogue], words: list[str]) -> None:
         if entry.verb not in VERBS:
             raise ValueError(f"verb {entry.verb}, known: {', '.join(VERBS)}")
         if dialogues[-1].entries and entry.time < dialogues[-1].entries[-1].time:
-            raise ValueError("time goes back")
+            raise ValueError("time runs backwards")
         dialogues[-1].entries.append(entry)
 
 

@@ -206,7 +206,7 @@ def _encode_kg(value: float) -> bytes:
 def _decode_kg(data: bytes) -> float:
     exponent, mantissa = struct.unpack(">b", data[:1])[0], int.from_bytes(data[1:], "big", signed=True)
     if mantissa == 0 and exponent not in (-128, 0):
-        raise DecodeError(f"KG: zero is 80 00 00 00 or 00 00 00 00: {data.hex(' ')} is no KG; it looks like an IEEE number")
+        raise DecodeError(f"KG: zero is 80 00 00 00 or 00 00 00 00: {data.hex(' ')} is not KG; it looks like an IEEE number")
     return math.ldexp(mantissa, exponent - 23)
 
 

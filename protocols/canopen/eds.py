@@ -196,7 +196,7 @@ class _Reader:
         try:
             code = number_of(text)
         except ValueError:
-            what = f"DataType={text} is no number" if text else "DataType is missing or empty"
+            what = f"DataType={text} is not a number" if text else "DataType is missing or empty"
             self._fault(section.line_of("datatype"), section.name, what, "left out")
             return None
         if code in TYPES:
@@ -244,7 +244,7 @@ class _Reader:
         try:
             return number_of(section.text(key))
         except ValueError:
-            self._fault(section.line_of(key), section.name, f"{key}={section.text(key)} is no number", "ignored")
+            self._fault(section.line_of(key), section.name, f"{key}={section.text(key)} is not a number", "ignored")
             return None
 
     def _fault(self, line: int, section: str, what: str, taken: str) -> None:
@@ -275,7 +275,7 @@ class _Reader:
                 try:
                     listed[number_of(text)] = (section.name if section else name, line)
                 except ValueError:
-                    self._fault(line, section.name if section else name, f"{key}={text} is no object", "ignored")
+                    self._fault(line, section.name if section else name, f"{key}={text} is not an object", "ignored")
         for index, (place, line) in listed.items():
             if index not in objects:
                 self._fault(line, place, f"object {index:04X}h is listed but not described", "it does not exist")
@@ -288,7 +288,7 @@ class _Reader:
             try:
                 number_of(info.text(key))
             except ValueError:
-                text = f"{key}={info.text(key)} is no number" if info.text(key) else f"{key} is missing or empty"
+                text = f"{key}={info.text(key)} is not a number" if info.text(key) else f"{key} is missing or empty"
                 self._fault(info.line_of(key), info.name, text, "read as 0")
                 info.items[key] = ("0", info.line_of(key))
 

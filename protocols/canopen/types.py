@@ -79,7 +79,7 @@ def encode(kind: DataType, value: Value) -> bytes:
         return value.encode("utf-16-le" if kind.name == "UNICODE_STRING" else "latin-1", "replace")
     if kind.kind is Kind.BYTES and isinstance(value, bytes) and kind.size in (0, len(value)):
         return value
-    raise EncodeError(f"{value!r} is no {kind.name}" + (f" ({kind.low}..{kind.high})" if kind.whole else ""))
+    raise EncodeError(f"{value!r} is not a value of {kind.name}" + (f" ({kind.low}..{kind.high})" if kind.whole else ""))
 
 
 def decode(kind: DataType, data: bytes) -> Value:

@@ -22,7 +22,7 @@ def words_of(type_: str) -> int:
 def decode_number(words: Sequence[int], type_: str, order: str = "ABCD") -> float:
     """The value in these registers; DecodeError when their number does not fit the type."""
     if len(words) != words_of(type_):
-        raise DecodeError(f"{type_} takes {words_of(type_)} registers, {len(words)} received: {list(words)}")
+        raise DecodeError(f"{type_} needs {words_of(type_)} registers, {len(words)} received: {list(words)}")
     value: float = struct.unpack(">" + CODES[type_], _arranged(struct.pack(f">{len(words)}H", *words), order))[0]
     return value
 

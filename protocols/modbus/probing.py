@@ -176,13 +176,13 @@ def _framing(unit: int, register: int, missing: int) -> list[Case]:
         raw("one byte per segment", "TCP 4.2.1", [good[n : n + 1] for n in range(len(good))], ("normal",), apart_ms=2),
         raw("a frame in two halves", "TCP 4.2.1", [good[:9], good[9:]], ("normal",), apart_ms=100),
         raw("transaction 65535", "TCP 3.1.3", [frame(read, unit, 0xFFFF)], ("normal",)),
-        raw("unit that is not there", "TCP 4.4.2.3", [frame(read, missing)], ("0A", "0B", "silence"), gone, unit=missing),
+        raw("unit that does not exist", "TCP 4.4.2.3", [frame(read, missing)], ("0A", "0B", "silence"), gone, unit=missing),
         raw(
             "protocol identifier 1",
             "TCP 4.3.2.2",
             [frame(read, unit, protocol=1)],
             ("silence", "closed"),
-            (("normal", "answers what is no Modbus"),),
+            (("normal", "its answer is not Modbus"),),
         ),
         raw("length 0", "TCP 3.1.3", [HEADER.pack(FIRST_ID, 0, 0)], ("closed", "silence")),
         raw("length 1", "TCP 3.1.3", [frame(b"", unit, length=1)], ("closed", "silence")),
@@ -288,5 +288,5 @@ def _outcome(case: Case, heard: Heard) -> str:
     if "echo" in case.right:
         return "echo" if pdu == case.pdu else "another answer"
     if pdu[0] in (1, 2, 3, 4) and (len(pdu) < 2 or pdu[1] != len(pdu) - 2):
-        return "badly built answer"
+        return "malformed answer"
     return "normal"

@@ -122,7 +122,7 @@ class Active:
     def send(self, address: int, data: bytes, block: int = 0, kind: Kind = Kind.BLOCK, flag: Flag | None = None) -> int:
         """SEND to word, byte or number `address`; returns the job number.  EncodeError names what is out of range."""
         if kind not in self._dialect.send_kinds:
-            raise EncodeError(f"SEND to {chr(kind)}: {self._dialect.name} takes {' '.join(map(chr, self._dialect.send_kinds))}")
+            raise EncodeError(f"SEND to {chr(kind)}: {self._dialect.name} needs {' '.join(map(chr, self._dialect.send_kinds))}")
         if len(data) % kind.unit:
             raise EncodeError(f"data of {len(data)} bytes, {chr(kind)} counts {kind.unit} bytes each")
         pair = self._dialect.extended_send if kind is Kind.EXTENDED else bytes((Command.SEND, kind))

@@ -99,7 +99,7 @@ class Codec:
         """Axis and values.  Raises DecodeError for another identifier, length or a value out of range."""
         place = self._set_axes.get(frame.identifier)
         if place is None:
-            raise DecodeError(f"identifier {frame.identifier} is no set value of this bus: {frame.data.hex(' ')}")
+            raise DecodeError(f"identifier {frame.identifier} is not a set value of this bus: {frame.data.hex(' ')}")
         enable, on, limit, reset, brake, life, position, speed = place[1].unpack(frame.data)
         return place[0], SetValue(enable == 1, on == 1, limit == 1, reset == 1, brake == 1, life, position, speed)
 
@@ -107,7 +107,7 @@ class Codec:
         """Axis and values.  Raises DecodeError for another identifier, length or a value out of range."""
         place = self._actual_axes.get(frame.identifier)
         if place is None:
-            raise DecodeError(f"identifier {frame.identifier} is no actual value of this bus: {frame.data.hex(' ')}")
+            raise DecodeError(f"identifier {frame.identifier} is not an actual value of this bus: {frame.data.hex(' ')}")
         return place[0], self._readers[place[0]](frame.data)
 
     def actual_id(self, axis: int) -> int:

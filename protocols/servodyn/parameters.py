@@ -120,5 +120,5 @@ def _unpack(kind: int, data: bytes) -> Value:
         raise DecodeError(f"kind {kind} of parameter {data[0]} is unknown: {data.hex(' ')}")
     value = float(_REAL.unpack_from(data, 4)[0])
     if not math.isfinite(value):
-        raise DecodeError(f"parameter {data[0]} is no number: {data.hex(' ')}")
+        raise DecodeError(f"parameter {data[0]} is not a number: {data.hex(' ')}")
     return value

@@ -117,7 +117,7 @@ def _decoded(field: Field, raw: bytes) -> Scalar:
     else:
         number = struct.unpack(_real(field), raw)[0] * field.scale
         if not math.isfinite(number):
-            raise DecodeError(f"{field.name}: {raw.hex(' ')} is no number (REAL)")
+            raise DecodeError(f"{field.name}: {raw.hex(' ')} is not a number (REAL)")
     low, high = span(field)
     if not low <= number <= high:
         raise DecodeError(f"{field.name} = {number:g} is outside {_said(low, high, field)}: {raw.hex(' ')}")

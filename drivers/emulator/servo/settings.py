@@ -238,9 +238,9 @@ def from_dict(data: Mapping[str, object]) -> BusSettings:
     axes: dict[int, ServoSettings] = _each(data.get("axes", {}), "axes", "the module is a number 1..6", axis_from_dict, faults)
     nodes: dict[int, DriveSettings] = _each(data.get("nodes", {}), "nodes", "the node is a number 1..127", drive_from_dict, faults)
     if not isinstance(cycle, int | float) or isinstance(cycle, bool):
-        faults.append(f"cycle_ms: {cycle!r} is no number; range 1..32 ms")
+        faults.append(f"cycle_ms: {cycle!r} is not a number; range 1..32 ms")
     if not isinstance(seed, int) or isinstance(seed, bool):
-        faults.append(f"seed: {seed!r} is no whole number")
+        faults.append(f"seed: {seed!r} is not a whole number")
     if faults or not isinstance(cycle, int | float) or not isinstance(seed, int):
         raise SettingsError(faults)
     return BusSettings(float(cycle), seed, axes, nodes)
@@ -307,7 +307,7 @@ def _checked(raw: Mapping[object, object], known: Mapping[str, object]) -> dict[
             kind = "true or false" if isinstance(default, bool) else "a text" if isinstance(default, str) else "a number"
             faults.append(f"{name}: {value!r} has the wrong type; expected {kind}")
         elif not isinstance(value, int | str) and (name.endswith("_inc") or (isinstance(default, int) and not isinstance(default, bool))):
-            faults.append(f"{name}: {value!r} is no whole number{' of increments' if name.endswith('_inc') else ''}")
+            faults.append(f"{name}: {value!r} is not a whole number{' of increments' if name.endswith('_inc') else ''}")
         else:
             values[name] = value
     if faults:

@@ -69,7 +69,7 @@ class CycleBus(can.BusABC):
         if identifier == SYNC or PDO_FIRST <= identifier <= PDO_LAST or identifier & 0x780 == HEARTBEATS:
             raise can.CanOperationError(f"{self.channel_info}: {identifier:#05x} leaves from a completed cycle only")
         if not self._link.send(identifier, bytes(msg.data)):
-            raise can.CanOperationError(f"{self.channel_info}: the cycle takes no frames")
+            raise can.CanOperationError(f"{self.channel_info}: the cycle accepts no frames")
         self._busy_until = time.monotonic() + BUSY_FOR_S
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:

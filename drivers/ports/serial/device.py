@@ -28,10 +28,10 @@ NO_UART = ("ttyACM", "tnt", "ttyGS")  # USB devices with their own serial side, 
 HINTS = {
     errno.ENOENT: "is not there; plug the adapter in or correct the path (ls /dev/serial/by-id)",
     errno.EACCES: "may not be opened; add this user to the group of the device (ls -l), usually dialout",
-    errno.EBUSY: "is used by another program; end that one first",
-    errno.EAGAIN: "is used by another program; end that one first",
+    errno.EBUSY: "is used by another program; close that one first",
+    errno.EAGAIN: "is used by another program; close that one first",
     errno.EISDIR: "is a folder; name a serial port (ls /dev/serial/by-id)",
-    errno.ENOTTY: "is no serial port (ls /dev/serial/by-id)",
+    errno.ENOTTY: "is not a serial port (ls /dev/serial/by-id)",
 }
 
 

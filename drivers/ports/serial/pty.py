@@ -89,7 +89,9 @@ class PtyPort(DescriptorPort):
             os.close(self._fd)
             number = error.args[0] if error.args else 0
             why = (
-                "is used by another program; end that one first" if number == errno.EAGAIN else f"cannot be set up ({error}); is it a pty?"
+                "is used by another program; close that one first"
+                if number == errno.EAGAIN
+                else f"cannot be set up ({error}); is it a pty?"
             )
             raise PortError(number, f"pty {path}: {why}") from error
 

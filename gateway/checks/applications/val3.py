@@ -74,7 +74,9 @@ def _data(check: Context, table: Val3) -> None:
             check.fault(f"val3.reference.{row.name}", str(len(row.joints)), f"one value for each of {axes} axes of the robot is expected")
     names = {"default", "staubli", *(row.name for row in table.profile)}
     if table.current_profile not in names:
-        check.fault("val3.current_profile", table.current_profile, f"no [[val3.profile]] has it; there are {', '.join(sorted(names))}")
+        check.fault(
+            "val3.current_profile", table.current_profile, f"no [[val3.profile]] has this name; there are {', '.join(sorted(names))}"
+        )
 
 
 def _axes(cell: Cell) -> int:

@@ -241,7 +241,7 @@ def read_toml(path: pathlib.Path) -> dict[str, object]:
     except OSError as error:
         raise BadFile([f"{path}: cannot be read ({error.strerror or error}); check the path"]) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise BadFile([f"{path}: is not TOML ({error}); one key = value a line, texts in quotes"]) from error
+        raise BadFile([f"{path}: is not TOML ({error}); one key = value per line, texts in quotes"]) from error
 
 
 def load_bench(path: pathlib.Path, items: Mapping[str, str] | None = None) -> Bench:

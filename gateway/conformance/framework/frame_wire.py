@@ -125,7 +125,7 @@ class RealFrames:
         begin = self.now()
         while not self._port.send([frame]):
             if self.now() - begin > LONGEST_SEND:
-                raise PortError(0, f"{self.name}: takes nothing any more; is another node on the bus?")
+                raise PortError(0, f"{self.name}: accepts nothing any more; is another node on the bus?")
             time.sleep(0.001)
         return self.now()
 

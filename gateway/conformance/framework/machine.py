@@ -79,7 +79,7 @@ class Guarded:
         if due is None:
             return None
         if not isinstance(due, (int, float)) or not math.isfinite(due):
-            raise MachineDied(0, f"{self._name}: deadline gave {due!r}; nanoseconds expected, or None")
+            raise MachineDied(0, f"{self._name}: deadline returned {due!r}; nanoseconds expected, or None")
         moment = math.ceil(due)
         return moment if self._on or moment > self._woken else None
 
@@ -88,7 +88,7 @@ class Guarded:
         if said is None:
             return b""
         if not isinstance(said, (bytes, bytearray)):
-            raise MachineDied(0, f"{self._name}: take_output gave {said!r:.60}; bytes expected")
+            raise MachineDied(0, f"{self._name}: take_output returned {said!r:.60}; bytes expected")
         return bytes(said)
 
     def lost(self, now: Ns) -> Sequence[object]:
@@ -119,13 +119,13 @@ class GuardedFrames:
     def take_output(self) -> list[Frame]:
         said = self._bytes._call(self.device.take_output, "take_output")
         if said is not None and not isinstance(said, (list, tuple)):
-            raise MachineDied(0, f"{self._name}: take_output gave {said!r:.60}; a list of pairs (identifier, data) expected")
+            raise MachineDied(0, f"{self._name}: take_output returned {said!r:.60}; a list of pairs (identifier, data) expected")
         return [self._frame(one) for one in said or ()]
 
     def _frame(self, one: object) -> Frame:
         good = isinstance(one, tuple) and len(one) >= 2 and isinstance(one[0], int) and isinstance(one[1], (bytes, bytearray))
         if not good or not isinstance(one, tuple) or len(one[1]) > 8:
-            raise MachineDied(0, f"{self._name}: take_output gave {one!r}; a pair (identifier, data of at most 8 bytes) expected")
+            raise MachineDied(0, f"{self._name}: take_output returned {one!r}; a pair (identifier, data of at most 8 bytes) expected")
         return Frame(one[0], bytes(one[1]))
 
 
@@ -164,7 +164,7 @@ def _factory(path: pathlib.Path, name: str, url: str) -> Callable[..., object]:
         raise BadFile([f"port.url {url}: {path} does not exist; the path is taken from the folder of the bench file"])
     spec = importlib.util.spec_from_file_location(f"conformance_device_{path.stem}", path)
     if spec is None or spec.loader is None:
-        raise BadFile([f"port.url {url}: {path} is no Python file"])
+        raise BadFile([f"port.url {url}: {path} is not a Python file"])
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     sys.path.insert(0, str(path.parent))

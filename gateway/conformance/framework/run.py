@@ -304,4 +304,4 @@ def _words(error: PortError) -> str:
 
 def _last(notes: Notes) -> str:
     heard = b"".join(piece.data for piece in notes.trace if piece.side == "device")[-16:]
-    return f"last heard: {heard.hex(' ').upper()}" if heard else "nothing was heard in this case"
+    return f"last received: {heard.hex(' ').upper()}" if heard else "nothing was received in this case"

@@ -332,7 +332,7 @@ ROWS: tuple[Row, ...] = (
     _tuned("jumps", "follows a set position that jumps", "FLT_BV_03", _no_jump),
     _heard("never-resets", "a fault cannot be reset", "FLT_BV_01", _never_resets),
     _heard("reset-by-itself", "a fault ends by itself", "FLT_BI_01", _reset_by_itself),
-    _heard("reset-by-off", "drive on taken back ends the fault", "FLT_BI_01", _reset_by_off),
+    _heard("reset-by-off", "drive on withdrawn ends the fault", "FLT_BI_01", _reset_by_off),
     _heard("reset-by-level", "a held reset ends the fault", "FLT_BI_02", _reset_by_level),
     _heard("restarts", "after a reset drive on counts at once", "FLT_BI_03", _restarts),
     _hears("idle-fault", "a lost SYNC without power is a fault", "FLT_BO_03", _idle_is_fault),

@@ -100,7 +100,7 @@ def verify(folder: pathlib.Path) -> list[str]:
     for number, row in enumerate(rows, 1):
         digest, space, name = row.partition("  ")
         if not space or len(digest) != 64:
-            faults.append(f"{SUMS}: line {number} is no check sum")
+            faults.append(f"{SUMS}: line {number} is not a checksum")
             continue
         listed.add(name)
         if ".." in pathlib.PurePosixPath(name).parts or pathlib.PurePosixPath(name).is_absolute():
@@ -143,9 +143,9 @@ def load(path: pathlib.Path) -> Json:
     except OSError as error:
         raise BadReport(f"{file}: cannot be read ({error.strerror or error})") from error
     except (ValueError, RecursionError) as error:
-        raise BadReport(f"{file}: is no JSON ({error})") from error
+        raise BadReport(f"{file}: is not JSON ({error})") from error
     if not isinstance(found, dict) or found.get("kind") != KIND or not isinstance(found.get("cases"), list):
-        raise BadReport(f"{file}: is no report of axisgate conformance")
+        raise BadReport(f"{file}: is not a report of axisgate conformance")
     if found.get("format") != FORMAT:
         raise BadReport(f"{file}: format {FORMAT} expected, found {found.get('format')}; read it with the axisgate that wrote it")
     for at, case in enumerate(found["cases"]):

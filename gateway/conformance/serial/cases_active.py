@@ -34,7 +34,7 @@ def cases(reaction_time: Ns) -> list[Case]:
 def right_reaction(command: bytes) -> bytes:
     """The reaction of a good passive station, with zeros for data."""
     if len(command) < 10 or command[2] not in (SEND, FETCH):
-        raise NotRun(said("the station's block {} is no RK512 command", command[:10].hex(" ")))
+        raise NotRun(said("the station's block {} is not an RK512 command", command[:10].hex(" ")))
     words = int.from_bytes(command[6:8], "big") if command[2] == FETCH else 0
     size = words if command[3] in b"EAM" else 2 * words
     return bytes(4 + min(size, 128))
@@ -48,7 +48,7 @@ def _wrong_reaction(found: Cases, name: str, title: str, wrong: Wrong | None, re
         if sent:
             bench.give_good(sent, "a reaction telegram")
         else:
-            bench.silence(reaction_time + bench.tolerance, "a command whose reaction never comes")
+            bench.silence(reaction_time + bench.tolerance, "a command whose reaction never arrives")
         bench.settle()
         bench.make_it_send("the job after that")
         again = bench.take()

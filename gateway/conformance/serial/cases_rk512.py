@@ -59,7 +59,7 @@ def number_expected(bench: Bench, place: Place, telegram: bytes, number: int, ot
     if found == 0:
         raise Fail(said("executed (00h), expected refusal {:02X}h", number))
     if len(reaction) > 4:
-        raise Fail(said("error {:02X}h with {} data bytes behind it, none may follow", found, len(reaction) - 4))
+        raise Fail(said("error {:02X}h with {} data bytes after it, none may follow", found, len(reaction) - 4))
     if found != number:
         text = said("refused with {:02X}h ({}), expected {:02X}h ({})", found, words_of(found), number, words_of(number))
         raise Warn(text) if found in others or found in known_numbers() else Fail(said("{}; {:02X}h is in no table", text, found))
@@ -72,7 +72,7 @@ def known_numbers() -> tuple[int, ...]:
 
 def words_of(number: int) -> str:
     """An error number in words."""
-    return ERROR_WORDS.get(number, "a number of its own")
+    return ERROR_WORDS.get(number, "a number outside the tables")
 
 
 ERROR_WORDS = {
@@ -178,13 +178,13 @@ def _refusals(found: Cases, place: Place) -> None:
     numbers = (
         ("missing-block", "a block that does not exist", header(FETCH, TYPE_DB, place.missing, 0, 1), 0x14, (0x0A,)),
         ("missing-block-send", "SEND to a block that does not exist", header(SEND, TYPE_DB, place.missing, 0, 1) + b"\0\0", 0x14, (0x0A,)),
-        ("behind-the-end", "words behind the end of the block", header(FETCH, TYPE_DB, place.db, 255, 2), 0x14, (0x0A, 0x34)),
-        ("wrong-command", "byte 3 is none of A, O, E", header(0x51, TYPE_DB, place.db, 0, 1), 0x16, (0x10,)),
+        ("behind-the-end", "words beyond the end of the block", header(FETCH, TYPE_DB, place.db, 255, 2), 0x14, (0x0A, 0x34)),
+        ("wrong-command", "byte 3 is not one of A, O, E", header(0x51, TYPE_DB, place.db, 0, 1), 0x16, (0x10,)),
         ("wrong-type", "byte 4 names no type", header(FETCH, 0x71, place.db, 0, 1), 0x0C, (0x10, 0x12)),
         ("wrong-byte-1", "byte 1 is neither 00 nor FF", b"\x55" + header(FETCH, TYPE_DB, place.db, 0, 1)[1:], 0x10, (0x36,)),
         ("follow-on-alone", "a follow-on telegram without a first one", b"\xff\x00\x45\x44", 0x36, (0x10,)),
         ("short-header", "a header of 9 bytes", header(FETCH, TYPE_DB, place.db, 0, 1)[:9], 0x34, (0x10,)),
-        ("data-behind-fetch", "FETCH with data behind the header", header(FETCH, TYPE_DB, place.db, 0, 1) + b"\0\0", 0x34, (0x10,)),
+        ("data-behind-fetch", "FETCH with data after the header", header(FETCH, TYPE_DB, place.db, 0, 1) + b"\0\0", 0x34, (0x10,)),
         ("send-too-short", "SEND that brings less than it announces", header(SEND, TYPE_DB, place.missing, 0, 2) + b"\0\0", 0x34, (0x14,)),
         ("send-too-long", "SEND that brings more than it announces", header(SEND, TYPE_DB, place.missing, 0, 1) + bytes(4), 0x34, (0x14,)),
         ("send-odd", "SEND with an odd number of bytes", header(SEND, TYPE_DB, place.missing, 0, 1) + b"\0", 0x34, (0x14,)),

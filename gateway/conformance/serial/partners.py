@@ -294,7 +294,7 @@ PARTNERS: dict[str, Partner] = {
     "no-nak": Partner("never sends NAK", NoNak),
     "drops-its-job": Partner("gives way in a conflict and forgets its own job", DropsItsJob),
     "never-doubles": Partner("sends a DLE of its data once", NeverDoubles),
-    "slow-3s": Partner("everything 3 s late, behind every acknowledgement delay", lambda p, q: Late(p, q, late=ms(3000))),
+    "slow-3s": Partner("everything 3 s late, after every acknowledgement delay", lambda p, q: Late(p, q, late=ms(3000))),
     "slow-21ms": Partner("everything 21 ms late", Late),
     "naks-conflicts": Partner("answers a conflicting STX with NAK", NaksConflicts),
     "two-attempts": Partner("2 attempts only", _two),

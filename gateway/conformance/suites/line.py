@@ -195,7 +195,7 @@ class LineTester(Tester):
             if got != Char.STX or not idle:
                 self.fail(after, got, f"silence for {how_long / 1e6:.0f} ms")
             if self.serve() is None:
-                self.fail(after, got, f"silence for {how_long / 1e6:.0f} ms, or a whole block: its STX is followed by none")
+                self.fail(after, got, f"silence for {how_long / 1e6:.0f} ms, or a whole block: no block follows its STX")
             end = max(end, self.mark + self.tolerance)
 
     # ---- the station's own traffic
@@ -217,7 +217,7 @@ class LineTester(Tester):
         for _ in range(MOST_REST):
             if self.answer(self.wire.char_ns + ms(1)) is None:
                 return
-        self.remark("characters behind its block")
+        self.remark("characters after its block")
 
     def answers_jobs(self) -> bool:
         """The station's own jobs, each of which may come only after the answer to the one before; whether there was one."""

@@ -100,7 +100,7 @@ class LineSession:
         stated = self._bench.link.get("priority", self.pics.get("priority"))
         if stated in ("high", "low"):
             return Priority[str(stated).upper()]
-        self.assumed.append("priority: not stated, taken from what the station does in a conflict")
+        self.assumed.append("priority: not stated, derived from what the station does in a conflict")
         return None
 
     def _holder(self, hold: Callable[..., None]) -> Callable[[bool], None]:
@@ -254,7 +254,7 @@ class LineSession:
             self.tester.starts_sending()
             block = self.tester.take()
             if not meant_as_command(block.data):
-                self.assumed.append(f"not active: its own block {block.data[:10].hex(' ').upper()} is no RK512 command")
+                self.assumed.append(f"not active: its own block {block.data[:10].hex(' ').upper()} is not an RK512 command")
                 return False
         except Ended:
             return False

@@ -318,7 +318,7 @@ def _advice(host: str, port: int, error: OSError) -> str:
         case errno.EACCES:
             advice = f"no permission for a port below 1024; use {DEFAULT_PORT}, or `sysctl net.ipv4.ip_unprivileged_port_start={port}`"
         case errno.EADDRNOTAVAIL:
-            advice = f"no interface of this machine has the address {host}; set `bind` to one that is there (`ip address` lists them)"
+            advice = f"no interface of this machine has the address {host}; set `bind` to one that exists (`ip address` lists them)"
         case _:
             advice = f"cannot listen: {error.strerror or error}; correct `bind`"
     return f"Modbus server {host}:{port}: {advice}"

@@ -169,7 +169,7 @@ class LineCore(Generic[E]):
             self._untaken = data[count:]
             if self._untaken:
                 if len(self._untaken) > UNTAKEN_LIMIT:
-                    raise PortError(f"{port.name}: takes nothing any more, {len(self._untaken)} bytes wait; opened again")
+                    raise PortError(f"{port.name}: accepts nothing any more, {len(self._untaken)} bytes wait; opened again")
                 return
             if self._look_for_sent(now):
                 continue  # the machine may have more output once this has left

@@ -105,7 +105,7 @@ class RealWire:
             if left:
                 time.sleep(0.001)
                 if self.now() - start > 5_000 * 1_000_000:
-                    raise PortError(f"{self.name}: takes nothing any more, {len(left)} characters wait")
+                    raise PortError(f"{self.name}: accepts nothing any more, {len(left)} characters are waiting")
         self._drained = max(self._drained, start) + len(data) * self.char_ns
 
     def spoil(self) -> bool:

@@ -255,7 +255,7 @@ class DataBlocks:
             if (slot.low is not None and value < slot.low) or (slot.high is not None and value > slot.high):
                 words = f"{slot.name} {value:g}; {slot.range_words}"
             elif not math.isfinite(value):
-                words = f"{slot.name} {value:g} is no number"
+                words = f"{slot.name} {value:g} is not a number"
             elif slot.name == NUMBER and abs(value - round(value)) > WHOLE:
                 words = f"{slot.name} {value:g}; a whole number is expected"
         if words and self._reported.get(slot) != words:

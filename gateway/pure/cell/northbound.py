@@ -30,7 +30,7 @@ class NorthMqtt:
 
 @dataclass(frozen=True, slots=True)
 class NorthOpcua:
-    """[northbound.opcua]: a server of read-only nodes; unencrypted, so on loopback alone."""
+    """[northbound.opcua]: a server of read-only nodes; unencrypted, so on loopback only."""
 
     bind: Bind = "127.0.0.1:4840"
 

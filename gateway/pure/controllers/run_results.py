@@ -31,7 +31,7 @@ class RunResults(dict[int, Outcome]):
     def answer(self, run: object, rows: Iterable[dict[str, object]], *, alive: bool) -> dict[str, object]:
         """To a tool: how a run is, or how it ended.  `alive`: the interpreter runs; it may still report files."""
         if not isinstance(run, int):
-            return {"error": "state: run = a number that start has given"}
+            return {"error": "state: run = a number that start returned"}
         if (over := self.get(run)) is None:
             return {"over": False, "rows": [row for row in rows if row["run"] == run]}
         how, code, words, place = over

@@ -213,7 +213,7 @@ def telegram_text(data: bytes) -> str:
     match telegram.job:
         case "REACTION":
             number = telegram.number or 0
-            head = f"reaction {number:02X}h {ERRORS.get(number, 'a number of its own')}"
+            head = f"reaction {number:02X}h {ERRORS.get(number, 'a number outside the tables')}"
         case "FOLLOW-ON":
             head = f"follow-on {telegram.kind}"
         case _ if telegram.kind in ("DB", "DX"):

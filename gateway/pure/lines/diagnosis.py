@@ -138,7 +138,7 @@ def _partner(seen: Evidence) -> list[Finding]:
             Finding(
                 "not ready",
                 "fault",
-                "STX is answered with NAK: the partner is there but takes no block",
+                "STX is answered with NAK: the partner is present but accepts no block",
                 "its buffer is full or its program is in STOP",
             )
         ]
@@ -156,7 +156,7 @@ def _partner(seen: Evidence) -> list[Finding]:
 def _slow(what: Heard, after: Ns) -> Finding:
     named = "DLE" if what == Char.DLE else _shown([what])
     text = said("STX is answered with {} after {:.1f} s: later than the acknowledgement delay allows", named, after / 1e9)
-    todo = "the partner is there but slow: a busy program, or a converter in between; a longer QVZ (ack_delay) on our side allows for it"
+    todo = "the partner is present but slow: a busy program, or a converter in between; a longer QVZ (ack_delay) on our side allows for it"
     return Finding("partner slow", "fault", text, todo)
 
 
@@ -306,7 +306,7 @@ CP341_CLASSES: Mapping[int, str] = {
 }
 CP341_EVENTS: Mapping[tuple[int, int], str] = {
     (6, 0x01): "byte 1 of the command is neither 00 nor FF",
-    (6, 0x02): "byte 3 is none of A, O, E",
+    (6, 0x02): "byte 3 is not one of A, O, E",
     (6, 0x04): "byte 4 (type) wrong or not allowed at the CP",
     (6, 0x06): "byte 5: data block number not allowed",
     (6, 0x07): "bytes 5/6: start address too high",

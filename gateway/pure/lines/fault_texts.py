@@ -36,7 +36,7 @@ FAILED = {
     Failure.LOST: "the port was lost",
     Failure.REVOKED: "cancelled",
 }
-STAGES = {Stage.WAITING: "while it waited", Stage.CONNECT: "at the connection", Stage.BLOCK: "behind the block"}
+STAGES = {Stage.WAITING: "while it waited", Stage.CONNECT: "at the connection", Stage.BLOCK: "after the block"}
 
 
 def fault_words(event: object) -> str:
@@ -47,13 +47,13 @@ def fault_words(event: object) -> str:
 def _of_the_link(event: object) -> str:
     match event:
         case BlockRefused(why, count):
-            return f"a block of the partner was not taken, {count} characters of it were received: {REFUSED[why]}"
+            return f"a block of the partner was not accepted, {count} characters of it were received: {REFUSED[why]}"
         case ReceptionFailed(why, attempts):
             return f"the partner gave up a block after {attempts} attempt{'s' * (attempts != 1)}, the first fault: {REFUSED[why]}"
         case SendRepeated(_, why, stage):
-            return f"an own block is sent again: {FAILED[why]} {STAGES[stage]}"
+            return f"a block is sent again: {FAILED[why]} {STAGES[stage]}"
         case SendFailed(_, why, stage):
-            return f"an own block was given up: {FAILED[why]} {STAGES[stage]}"
+            return f"a block was given up: {FAILED[why]} {STAGES[stage]}"
         case StrayCharacters(count):
             return f"{count} characters outside any block"
         case LineBreak():
@@ -72,5 +72,5 @@ def _of_rk512(event: object) -> str:
         case Failed(job, trouble):
             return f"job {job}: no valid reaction ({trouble.name.lower().replace('_', ' ')})"
         case Repeated():
-            return "the partner sent a telegram twice; it was taken once"
+            return "the partner sent a telegram twice; it was accepted once"
     return ""

@@ -255,7 +255,7 @@ def _line(seen: Learned, baud: int, frame: str) -> list[str]:
     if seen.includes_stx:
         lines.append(f"# {seen.includes_stx} block checks are off by 02h: that side includes STX")
     if seen.raw:
-        lines.append(f"# {len(seen.raw)} blocks are no RK512, the first: {seen.raw[0][:24].hex(' ')}; describe them with [[telegram]]")
+        lines.append(f"# {len(seen.raw)} blocks are not RK512, the first: {seen.raw[0][:24].hex(' ')}; describe them with [[telegram]]")
     if seen.tests:
         lines.append(f"# {seen.tests} test blocks of axisgate line probe or diagnose were left out")
     if seen.flags:

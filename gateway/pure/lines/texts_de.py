@@ -217,7 +217,7 @@ RK512 = {
     "sequence: follow-on without a first telegram": "Reihenfolge: Folgetelegramm ohne erstes",
     "a command telegram": "einem Befehlstelegramm",
     "STX of the reaction": "STX der Reaktion",
-    "a number of its own": "eine eigene Nummer",
+    "a number outside the tables": "eine eigene Nummer",
     "FETCH of one word and of {} words ({} bytes): error number 00 and as many bytes": (
         "FETCH von einem Wort und von {} Worten ({} Bytes): Fehlernummer 00 und ebenso viele Bytes"
     ),
@@ -234,7 +234,7 @@ RK512 = {
     "STX is answered with {} after {:.1f} s: later than the acknowledgement delay allows": (
         "STX wird nach {1:.1f} s mit {0} beantwortet: spaeter als die Quittungsverzugszeit erlaubt"
     ),
-    "the partner is there but slow: a busy program, or a converter in between; a longer QVZ (ack_delay) on our side allows for it": (
+    "the partner is present but slow: a busy program, or a converter in between; a longer QVZ (ack_delay) on our side allows for it": (
         "der Partner ist da, aber langsam: ausgelastetes Programm oder Umsetzer dazwischen; eine laengere QVZ (ack_delay) bei "
         "uns laesst ihn zu"
     ),
@@ -274,13 +274,13 @@ RK512 = {
     "the station takes more than this profile's {} characters": "die Station nimmt mehr als die {} Zeichen dieses Profils",
     "a block that does not exist": "ein Baustein, den es nicht gibt",
     "SEND to a block that does not exist": "SEND in einen Baustein, den es nicht gibt",
-    "words behind the end of the block": "Worte hinter dem Ende des Bausteins",
-    "byte 3 is none of A, O, E": "Byte 3 ist weder A noch O noch E",
+    "words beyond the end of the block": "Worte hinter dem Ende des Bausteins",
+    "byte 3 is not one of A, O, E": "Byte 3 ist weder A noch O noch E",
     "byte 4 names no type": "Byte 4 ist kein Typ",
     "byte 1 is neither 00 nor FF": "Byte 1 ist weder 00 noch FF",
     "a follow-on telegram without a first one": "ein Folgetelegramm ohne erstes",
     "a header of 9 bytes": "ein Kopf von 9 Bytes",
-    "FETCH with data behind the header": "FETCH mit Daten hinter dem Kopf",
+    "FETCH with data after the header": "FETCH mit Daten hinter dem Kopf",
     "SEND that brings less than it announces": "SEND bringt weniger, als es ankuendigt",
     "SEND that brings more than it announces": "SEND bringt mehr, als es ankuendigt",
     "SEND with an odd number of bytes": "SEND mit ungerader Anzahl Bytes",
@@ -291,7 +291,7 @@ RK512 = {
     "after a command telegram: {}, expected the STX of the reaction": "nach einem Befehlstelegramm: {}, erwartet das STX der Reaktion",
     "reaction {}: 00 (or FF) 00 00 and an error number expected": "Reaktion {}: erwartet 00 (oder FF) 00 00 und eine Fehlernummer",
     "executed (00h), expected refusal {:02X}h": "ausgefuehrt (00h), erwartet Ablehnung {:02X}h",
-    "error {:02X}h with {} data bytes behind it, none may follow": "Fehler {:02X}h mit {} Datenbytes dahinter, keine duerfen folgen",
+    "error {:02X}h with {} data bytes after it, none may follow": "Fehler {:02X}h mit {} Datenbytes dahinter, keine duerfen folgen",
     "executed: the flag was free or is not checked": "ausgefuehrt: der Merker war frei oder wird nicht beachtet",
     "32h: locked, or flags are not served": "32h: gesperrt, oder Merker werden nicht bedient",
     "{}: {:02X}h": "{}: {:02X}h",
@@ -321,9 +321,9 @@ RK512 = {
     "no reaction at all": "gar keine Reaktion",
     "the job after that": "dem Auftrag danach",
     "the right reaction to the next job": "der richtigen Reaktion auf den naechsten Auftrag",
-    "the station's block {} is no RK512 command": "der Block {} der Station ist kein RK512-Befehl",
+    "the station's block {} is not an RK512 command": "der Block {} der Station ist kein RK512-Befehl",
     "a reaction telegram": "einem Reaktionstelegramm",
-    "a command whose reaction never comes": "einem Befehl, dessen Reaktion nie kommt",
+    "a command whose reaction never arrives": "einem Befehl, dessen Reaktion nie kommt",
     "after the right reaction: {}": "nach der richtigen Reaktion: {}",
 }
 GERMAN: Mapping[str, str] = {**VERDICTS, **LEVELS, **BENCH, **RECEIVE, **SEND, **RK512, **REPORT, **DIAGNOSIS, **S5, **CP341, **JOBS}

@@ -29,7 +29,7 @@ JOBS: Mapping[str, str] = {
     "block check, parity, ZVZ/CDT, or 3964 instead of 3964R at the partner": (
         "Blockpruefzeichen, Paritaet, ZVZ/CDT, oder 3964 statt 3964R beim Partner"
     ),
-    "{}; or its {} characters are more than the partner takes": "{}; oder seine {} Zeichen sind mehr, als der Partner annimmt",
+    "{}; or its {} characters are more than the partner accepts": "{}; oder seine {} Zeichen sind mehr, als der Partner annimmt",
     "the partner answers later than our QVZ/ADT: choose its --profile, or one with a longer QVZ": (
         "der Partner antwortet spaeter als unsere QVZ/ADT: sein --profile waehlen, oder eines mit laengerer QVZ"
     ),

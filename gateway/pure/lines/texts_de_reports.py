@@ -128,7 +128,7 @@ DIAGNOSIS = {
     ),
     "something answers, but no DLE: {}": "es antwortet etwas, aber kein DLE: {}",
     "not ready": "nicht bereit",
-    "STX is answered with NAK: the partner is there but takes no block": (
+    "STX is answered with NAK: the partner is present but accepts no block": (
         "STX wird mit NAK beantwortet: der Partner ist da, nimmt aber keinen Block"
     ),
     "its buffer is full or its program is in STOP": "sein Puffer ist voll oder sein Programm in STOP",

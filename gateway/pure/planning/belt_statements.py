@@ -79,7 +79,7 @@ def _endless(act: BeltAct, belts: Sequence[BeltFacts], number: int, part: Synchr
     why = ""
     facts = next((each for each in belts if part is not None and each.name == part.belt), None)
     if facts is None or not isinstance(act, Sync):
-        why = "belt functions and SYNC stand outside of synchronous and alterable parts, but for SYNC of an endless belt"
+        why = "belt functions and SYNC must be outside synchronous and alterable parts, except SYNC of an endless belt"
     elif act.belt != facts.name:
         why = f"SYNC in a part on belt {facts.name} is one of this belt, not of {act.belt}"
     elif act.input is not None:

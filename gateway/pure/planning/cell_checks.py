@@ -37,7 +37,7 @@ class OfCell:
             self.measuring.check(block, self.mask, machine)
             for function in block.functions:
                 if block.synchron is not None:
-                    raise MotionError("functions stand outside of synchronous parts")
+                    raise MotionError("functions must be outside synchronous parts")
                 if isinstance(function, Function):
                     check_function(function, self.functions, self.kinematic)
         except MotionError as error:

@@ -80,7 +80,7 @@ class StreamPrograms(Programs):
     def _ordered(self, record: BlockRecord) -> Work[None]:
         orders = self._orders
         if not self._job.streams or (self._job.ended and record.say is not Say.FLUSH):
-            raise MotionError("nothing follows in this stream any more: it takes no orders")
+            raise MotionError("this stream has ended: it accepts no orders")
         if record.say is Say.FLUSH:
             self._flush()
         elif record.say is Say.CUT:
@@ -147,7 +147,7 @@ class StreamPrograms(Programs):
         """Rest the axes where they are and drop all remaining statements."""
         job, orders = self._job, self._orders
         if job.bound:
-            raise MotionError(f"the blocks under way ride on {job.bound}: they can only be ended")
+            raise MotionError(f"the blocks under way follow {job.bound}: they can only be ended")
         orders.withheld.clear()
         orders.read.clear()
         orders.dropped = len(job.line_of)
@@ -186,7 +186,7 @@ class StreamPrograms(Programs):
         stops = True
         if planner is not None and behind < ends:
             if job.bound:
-                raise MotionError(f"the blocks under way ride on {job.bound}: they can only be ended")
+                raise MotionError(f"the blocks under way follow {job.bound}: they can only be ended")
             stops = planner.cut(max(behind - job.before, 0))
         yield from self._again(rows, behind, ends)
         if not stops:

@@ -23,7 +23,7 @@ def no_programs(number: int) -> str:
 
 def no_team(kinematics: Sequence[Kinematic], number: int) -> Team:
     """Of a cell with one robot and programs without kinematics."""
-    raise MotionError(f"kinematic {kinematics[0].name}: this cell has one robot alone")
+    raise MotionError(f"kinematic {kinematics[0].name}: this cell has only one robot")
 
 
 def reader_for(text: str, reader: Reader | TeamReader) -> Reader | TeamReader:

@@ -97,7 +97,7 @@ def place_of(
     """`form` "" is a bit or a name; `line_of`: data block -> the one line it is served on; `devices`: the part before the colon of a
     register -> CLIENT.DEVICE.  Raises AddressFault."""
     if form and form not in FORMS:
-        raise AddressFault(f"{form!r} is no number form; {' '.join(FORMS)} are")
+        raise AddressFault(f"{form!r} is not a number form; {' '.join(FORMS)} are")
     if parameter := _PARAMETER.fullmatch(text.strip()):
         return _parameter(text, parameter, form, order)
     line, colon, rest = text.partition(":")

@@ -43,7 +43,7 @@ def number_of(form: str, order: str, raw: bytes) -> float:
         return int.from_bytes(data, "big", signed=_WHOLE[form][1])
     value = decode(_STEP5[form], data)
     if not isinstance(value, int | float) or not math.isfinite(value):
-        raise DecodeError(f"{form}: {raw.hex(' ')} is no number")
+        raise DecodeError(f"{form}: {raw.hex(' ')} is not a number")
     return value
 
 

@@ -74,7 +74,7 @@ def _line_sentences(line: object) -> Iterator[str]:
     if other:
         yield f"  the first one: {_of(line, 'first_other_number')}"
     if not _of(line, "connected"):
-        yield f"  a tap is not there {_of(line, 'why') or ''}".rstrip()
+        yield f"  a tap is missing {_of(line, 'why') or ''}".rstrip()
     for block in _list(_of(line, "blocks")):
         yield from _block_sentences(block)
 

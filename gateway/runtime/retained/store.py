@@ -109,7 +109,7 @@ def open_file(path: pathlib.Path, *, repair: bool = True) -> Opened:
         try:
             return Opened(_sound(path), (message,))
         except sqlite3.Error as again:
-            raise RetainError(f"{path}: cannot be made anew: {again}") from again
+            raise RetainError(f"{path}: cannot be created again: {again}") from again
     except OSError as error:
         raise RetainError(f"{path}: {error.strerror}") from error
 

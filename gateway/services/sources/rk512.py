@@ -142,7 +142,7 @@ class Rk512Source(SerialSource):
         """For SEND and FETCH of our own; call `started` after giving one.  NotActive where the cell has role = "passive"."""
         if self.line.role == "passive":
             raise NotActive(
-                f'line {self.name}: role = "passive": the partner alone sends and fetches; "both" or "active" allows our own jobs'
+                f'line {self.name}: role = "passive": only the partner sends and fetches; "both" or "active" allows jobs of axisgate'
             )
         return self._link.active
 

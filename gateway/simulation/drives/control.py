@@ -61,7 +61,7 @@ def carry_out(slave: ServodynSlave, command: Command) -> Answer:
             slave.load_torque(whole(command, "axis", 1, 6), torque_nm(command))
         else:
             known = ["state", "quit", "flush", *plain, *counted, *CAUSES, "stick_brake", "jump_encoder", "force_fault", "load_torque"]
-            raise BadCommandError(f"{what!r} is no command; known: {', '.join(known)}")
+            raise BadCommandError(f"{what!r} is not a command; known: {', '.join(known)}")
     except KeyError as error:
         raise BadCommandError(str(error.args[0])) from None
     return {"bus_time_ns": slave.state()["bus_time_ns"]}

@@ -109,7 +109,7 @@ class CouplerLoop:
                     raise BadCommandError(f"channel {channel!r}, on {level!r}: 0..{8 * OCTETS - 1}, true, false or null")
                 self.couplers.wire(node, channel, level, time.monotonic_ns())
                 return {}
-        raise BadCommandError(f"{command.get('do')!r} is no command; known: state, wire")
+        raise BadCommandError(f"{command.get('do')!r} is not a command; known: state, wire")
 
 
 def main(argv: list[str] | None = None) -> int:

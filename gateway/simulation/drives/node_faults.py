@@ -32,7 +32,7 @@ def carry_out_node(slave: Cia402Slave, command: Command) -> Answer:
     node = whole(command, "node" if "node" in command else "axis", 1, 127)
     orders = _orders(slave, node, command)
     if what not in orders:
-        raise BadCommandError(f"{what!r} is no command; known: {', '.join(['state', 'quit', 'flush', *orders])}")
+        raise BadCommandError(f"{what!r} is not a command; known: {', '.join(['state', 'quit', 'flush', *orders])}")
     try:
         orders[what]()
     except KeyError as error:

@@ -32,7 +32,7 @@ def read_log(path: pathlib.Path) -> Iterator[Frame]:
         yield from _text(path)
         return
     if path.suffix == ".asc" and _relative(path):
-        raise BadLog(f"{path}: its timestamps are relative, and events that are no frames are lost: export it with absolute timestamps")
+        raise BadLog(f"{path}: its timestamps are relative, and events other than frames are lost: export it with absolute timestamps")
     count = 0
     try:
         for message in can.LogReader(path):

@@ -25,7 +25,7 @@ EXAMPLES = f"""examples:
   axisgate bus monitor broker:demo-drives --dbc servodyn_gc.dbc --summary --seconds 5
   axisgate bus monitor --from living.blf --canopen
 a bus is {FORM}
-exit code: 0 done, 2 command line or file, 3 the bus is not there"""
+exit code: 0 done, 2 command line or file, 3 no such bus"""
 
 
 @dataclass(slots=True)

@@ -14,10 +14,10 @@ from protocols.base.machine import Frame
 
 EXAMPLES = f"""examples:
   axisgate bus replay living.blf socketcan:vcan0
-  axisgate bus replay living.blf broker:lab --only 100,210,220       the old controller's side alone
+  axisgate bus replay living.blf broker:lab --only 100,210,220       the old controller's side only
   axisgate bus replay living.log broker:lab --speed 10
 readable: {", ".join(READABLE)}; a bus is {FORM}
-exit code: 0 done, 1 frames were refused, 2 command line or file, 3 the bus is not there"""
+exit code: 0 done, 1 frames were refused, 2 command line or file, 3 no such bus"""
 FULL_S = 0.1  # how long one frame may wait for room on the way out
 
 
@@ -28,7 +28,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("file", type=pathlib.Path, help="recording")
     parser.add_argument("bus", help=FORM)
     parser.add_argument("--only", default="", help="identifiers, comma between (decimal, or hexadecimal as 0x64)")
-    parser.add_argument("--speed", type=float, default=1.0, help="factor on the recorded pace; 0: as fast as the bus takes it")
+    parser.add_argument("--speed", type=float, default=1.0, help="factor on the recorded pace; 0: as fast as the bus accepts it")
     parser.add_argument("--bitrate", type=int, default=1_000_000, help="bit/s (default %(default)s)")
     arguments = parser.parse_args(argv)
     try:

@@ -28,7 +28,7 @@ EXAMPLES = f"""examples:
   axisgate bus send socketcan:can0 --node 3 --read 1018:1      and: --node 3 --write 6060:0 i8 8
   axisgate bus send socketcan:can0 --echo 1000                 round trip of own frames through the adapter
 a bus is {FORM}
-exit code: 0 done, 1 refused or no answer, 2 command line, 3 the bus is not there"""
+exit code: 0 done, 1 refused or no answer, 2 command line, 3 no such bus"""
 
 
 def main(argv: list[str]) -> int:
@@ -72,7 +72,7 @@ def act(bus: can.BusABC, arguments: argparse.Namespace) -> int:
         bus.send(message_of(command(NMT[arguments.nmt], arguments.node)), 1.0)
         return DONE
     if not 1 <= arguments.node <= 127:
-        raise ValueError(f"--node {arguments.node}: an SDO goes to a node 1..127")
+        raise ValueError(f"--node {arguments.node}: an SDO is sent to a node 1..127")
     return sdo(bus, arguments)
 
 
@@ -85,7 +85,7 @@ def look_first(bus: can.BusABC, url: str) -> None:
         if message is not None and not message.is_extended_id and not message.is_error_frame:
             heard.append(Frame(message.arbitration_id, bytes(message.data)))
     if words := masters_in(heard, "canopen"):
-        raise NoBus(f"{url}: another master is active on this bus: {words}; {END_IT}, or send it all the same with --beside")
+        raise NoBus(f"{url}: another master is active on this bus: {words}; {END_IT}, or send it anyway with --beside")
 
 
 def frame_of_text(text: str) -> Frame:

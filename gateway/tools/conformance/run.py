@@ -162,7 +162,7 @@ def _reported(
     results: Sequence[Result],
     arguments: argparse.Namespace,
 ) -> int:
-    assumed = [*session.assumed, *(f"{key}: does not act in the suite {suite.name}" for key in bench.named() if key not in suite.keys)]
+    assumed = [*session.assumed, *(f"{key}: has no effect in the suite {suite.name}" for key in bench.named() if key not in suite.keys)]
     assumed += [f"waiver of {one.purpose.id}: not needed, the case passed" for one in results if one.waived and one.verdict is Verdict.PASS]
     ran = Circumstances(assumed, checked, arguments.seed, runner.interrupted)
     found = document(suite, bench, stated, results, ran, SCORES[suite.name])

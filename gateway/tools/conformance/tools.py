@@ -136,9 +136,7 @@ def new_case(arguments: argparse.Namespace) -> int:
         raise Stop(f"id {arguments.id}: is taken; axisgate conformance list {suite.name}")
     prefix, group, number = arguments.id.rsplit("_", 2)
     tester = "NodeTester" if suite.frames else "ModbusTester" if suite.name.startswith("modbus") else "LineTester"
-    print(
-        f"# into gateway/conformance/suites/, beside the other {prefix} cases; a mutant that it kills goes into gateway/conformance/peers/"
-    )
+    print(f"# into gateway/conformance/suites/, next to the other {prefix} cases; a mutant that it kills: gateway/conformance/peers/")
     print(
         SKELETON.format(
             collector=prefix.rsplit("_", 1)[1],

@@ -25,7 +25,7 @@ class Baps2Debugged:
         self._shown = 0  # events of the trace
         unit, faults = self._run.library.unit(self._program)
         if unit is None:
-            raise AdapterFault("; ".join(str(each) for each in faults) or f"{path.name} is no program of its folder")
+            raise AdapterFault("; ".join(str(each) for each in faults) or f"{path.name} is not a program of its folder")
 
     def begin(self, *, entry: bool) -> None:
         self._run.run.begin(self._program)
@@ -49,7 +49,7 @@ class Baps2Debugged:
         there = self._run.lines(name)
         found = next_lines(there, lines)
         self._run.debugger.set_breakpoints(name, [each for each in found if each is not None])
-        return found, "no statement here or below" if there else f"{name} is no program of this memory, or has errors"
+        return found, "no statement here or below" if there else f"{name} is not a program of this memory, or has errors"
 
     def threads(self) -> list[tuple[int, str]]:
         return [(task.process.number, f"{task.unit.name} ({task.kind})") for task in self._run.tasks()]

@@ -41,7 +41,7 @@ class RobotstarDebugged:
         self._until = None if until is None else round(float(until) * NS)
         program = self._run.program_of(path.relative_to(self._root).as_posix())
         if program is None:
-            raise AdapterFault(f"{path.name} is no program of {self._root}")
+            raise AdapterFault(f"{path.name} is not a program of {self._root}")
         if program.refused:
             raise AdapterFault(f"{program.file} line {program.refused[0][0]}: {program.refused[0][1]}")
         self._program = program
@@ -70,7 +70,7 @@ class RobotstarDebugged:
         there = self._run.lines(file)
         found = next_lines(there, lines)
         self._run.debugger.set_breakpoints(file.upper(), [each for each in found if each is not None])
-        return found, "no step here or below" if there else f"{file} is no program of this memory"
+        return found, "no step here or below" if there else f"{file} is not a program of this memory"
 
     def threads(self) -> list[tuple[int, str]]:
         return [(THREAD, self._program.key)]

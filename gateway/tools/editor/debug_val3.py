@@ -65,7 +65,7 @@ class Val3Debugged:
         found = next_lines(there, lines)
         for program, begin in begins.items():
             self._run.debugger.set_breakpoints(key_of(program), [each - begin + 1 for each in found if each is not None])
-        return found, "no line with an instruction here or below" if there else f"{path.name} is no program of this application"
+        return found, "no line with an instruction here or below" if there else f"{path.name} is not a program of this application"
 
     def _programs(self, path: Path) -> Iterator[tuple[Program, int]]:
         for instance in self._instances():

@@ -57,7 +57,7 @@ def parser(what: str | None, tools_run: Mapping[str, Run]) -> argparse.ArgumentP
     """All six tools; `what`: purpose of the command, `tools_run`: function of each."""
     top = argparse.ArgumentParser("axisgate line", description=what, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter)
     tools = top.add_subparsers(dest="tool", required=True, metavar="TOOL")
-    _probe_arguments(_tool(tools, "probe", "run the whole test list against a station", PROBE_EXAMPLES, tools_run["probe"]))
+    _probe_arguments(_tool(tools, "probe", "run all tests against a station", PROBE_EXAMPLES, tools_run["probe"]))
     _diagnose_arguments(_tool(tools, "diagnose", "find the fault of a line and its remedy", DIAGNOSE_EXAMPLES, tools_run["diagnose"]))
     _send_arguments(_tool(tools, "send", "write data words of a passive RK512 station", SEND_EXAMPLES, tools_run["send"]))
     _fetch_arguments(_tool(tools, "fetch", "read data words of a passive RK512 station", FETCH_EXAMPLES, tools_run["fetch"]))
@@ -133,7 +133,7 @@ def _probe_arguments(tool: argparse.ArgumentParser) -> None:
     tool.add_argument("--words", type=int, default=64, help="number of its words (default 64)")
     tool.add_argument("--missing-db", type=_block, default=99, help="a data block that does not exist (default 99)")
     tool.add_argument("--write", action="store_true", help="allow SEND into --db; the words read before are written back")
-    tool.add_argument("--only", action="append", default=[], metavar="NAME", help="a test or a group; may be given several times")
+    tool.add_argument("--only", action="append", default=[], metavar="NAME", help="a test or a group; may be repeated")
     tool.add_argument("--list", action="store_true", help="list the tests and end")
     tool.add_argument("--report", metavar="NAME", default="", help="write NAME.json and NAME.html (default probe-TIME)")
     tool.add_argument("--no-report", action="store_true", help="write no files")
@@ -184,7 +184,7 @@ def _monitor_arguments(tool: argparse.ArgumentParser) -> None:
     tool.add_argument("--tap", metavar="A,B", help="two receive-only ports, one in each wire")
     tool.add_argument("--record", type=pathlib.Path, metavar="FILE", help="decode a recording instead")
     _listening_arguments(tool)
-    tool.add_argument("--json", action="store_true", help="one JSON object a line")
+    tool.add_argument("--json", action="store_true", help="one JSON object per line")
 
 
 def _listening_arguments(tool: argparse.ArgumentParser) -> None:
@@ -197,7 +197,9 @@ def _listening_arguments(tool: argparse.ArgumentParser) -> None:
 
 def _learn_arguments(tool: argparse.ArgumentParser) -> None:
     tool.add_argument("trace", type=pathlib.Path, nargs="?", metavar="TRACE", help="record of a line, or journal")
-    tool.add_argument("--tap", metavar="A,B", help="live instead: two receive-only ports, A in the wire the PLC sends on, B in the other")
+    tool.add_argument(
+        "--tap", metavar="A,B", help="instead of a file: two receive-only ports, A in the wire the PLC sends on, B in the other"
+    )
     tool.add_argument("--format", default="9600 8E1", metavar='"9600 8E1"', help="format of the taps (default 9600 8E1)")
     _listening_arguments(tool)
     tool.add_argument("-o", "--output", type=pathlib.Path, metavar="FILE", help="write the draft there")

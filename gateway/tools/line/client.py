@@ -177,7 +177,7 @@ class Client:
             means = MEANS.get(reason, "wrong speed or parity")
         length = len(self.traffic[-1].data)
         if reason == (Stage.BLOCK, Failure.NAK) and length > SHORT:
-            means = said("{}; or its {} characters are more than the partner takes", means, length)
+            means = said("{}; or its {} characters are more than the partner accepts", means, length)
         return said("{}: {}", listed, means)
 
     # ---- the loop

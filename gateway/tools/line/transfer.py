@@ -77,7 +77,7 @@ def number(kind: Step5Type, text: str) -> Value:
             case _:
                 return int(text, 0)
     except ValueError as error:
-        raise BadInput(f"{text!r} is no {kind.value}: {EXPECTED.get(kind, 'a whole number expected')}") from error
+        raise BadInput(f"{text!r} is not a {kind.value} value: {EXPECTED.get(kind, 'a whole number expected')}") from error
 
 
 EXPECTED = {

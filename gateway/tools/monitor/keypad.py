@@ -56,6 +56,6 @@ def keys_of(words: str, unit: Unit) -> list[str]:
         wrong = [part for part in parts if part not in unit.names]
         if wrong:
             shown = ", ".join(name for row in unit.keypad for name in row if name)
-            raise ValueError(f"{wrong[0]!r} in {word!r} is no key; keys are {shown} and letters")
+            raise ValueError(f"{wrong[0]!r} in {word!r} is not a key; keys are {shown} and letters")
         keys += parts
     return keys

@@ -29,12 +29,12 @@ F9           ask for control, and give it back (F2 where the pendant has no F2)
 F8           these keys (F1 where the pendant has no F1)
 F10, Ctrl+Q  end
 
-rho 3: m MODE, i INFO, other letters for a program that reads the pendant (M and I with shift); left goes one
+rho 3: m MODE, i INFO, other letters for a program that reads the pendant (M and I with shift); left goes up one
 level back.  m 7.3.2 Enter goes straight to "Process conditions"; m 0 Enter to the basic level; m 0.11.4 Enter
 from anywhere to VFACTOR.  No key of it moves an axis.  Mode 11.1 (reset) needs control.
 ROBOTstar V: Esc QUIT, PageUp and PageDown the menus, F1..F6 the function keys, letters in an entry.  Movement keys
 and START act for as long as the mouse holds them, and movement keys need control.
-This is no enabling device."""
+This is not an enabling device."""
 
 
 class PanelLink:

@@ -148,7 +148,7 @@ def _loads(machine: Machine, trace: Trace) -> str:
 def _corners(trace: Trace) -> str:
     if not trace.corners:
         return "<p>No point is passed: the program stops at each.</p>"
-    rows = ["<table><tr><th>block</th><th>line</th><th>missed by mm</th><th>left before mm</th><th>reached behind mm</th></tr>"]
+    rows = ["<table><tr><th>block</th><th>line</th><th>missed by mm</th><th>left before mm</th><th>reached after mm</th></tr>"]
     for corner in trace.corners:
         rows.append(
             f"<tr><td>{corner.block}</td><td>{corner.line or ''}</td><td>{corner.missed * 1e3:.3f}</td><td>{corner.begins * 1e3:.3f}</td>"

@@ -49,7 +49,7 @@ def _one_of(*allowed: str) -> Callable[[str], str]:
 def _bind(answer: str) -> str:
     host, _, port = answer.rpartition(":")
     if not host or not re.fullmatch(r"\d{1,5}", port) or not 1 <= int(port) <= 65535:
-        raise ValueError("HOST:PORT, port 1 to 65535; 127.0.0.1 is this machine alone")
+        raise ValueError("HOST:PORT, port 1 to 65535; 127.0.0.1 is only this machine")
     return _text(answer)
 
 
@@ -57,7 +57,7 @@ def _partner(answer: str) -> str:
     try:
         ipaddress.ip_network(answer, strict=False)
     except ValueError:
-        raise ValueError("the address of the PLC, 10.0.0.5, or its network, 10.0.0.0/24; it alone may write") from None
+        raise ValueError("the address of the PLC, 10.0.0.5, or its network, 10.0.0.0/24; only it may write") from None
     return answer
 
 
@@ -73,7 +73,7 @@ LINE = Question("port", "Serial line to the PLC (/dev/serial/by-id/..., tcp://HO
 AXES = Question("axes", "How many axes (1..6)?", "3", _number(1, 6))
 DRIVES = Question("drives", "New CiA 402 drives, or SERVODYN boosters that stay?", "cia402", _one_of("cia402", "servodyn"))
 BIND = Question("bind", "Address of the Modbus TCP server?", "127.0.0.1:1502", _bind)
-PLC = Question("plc", "Address of the PLC on Modbus TCP (it alone may write)?", "127.0.0.1", _partner)
+PLC = Question("plc", "Address of the PLC on Modbus TCP (only it may write)?", "127.0.0.1", _partner)
 
 QUESTIONS: Mapping[str, tuple[Question, ...]] = {
     "s5-rk512": (

@@ -136,7 +136,7 @@ class Watched(Chip):
 def test_a_gpiochip_that_is_not_there_is_reported_with_what_to_do_and_its_contacts_are_bad(capfd: pytest.CaptureFixture[str]) -> None:
     chip = Chip("/dev/gpiochip99", {0: Io("lamp", IoDevice("gpiochip", output=4, chip="/dev/gpiochip99"), "cell.ready")})
     assert chip.turn({0: True}, 10**9) == {} == chip.turn({0: True}, 10**9 + 1)
-    assert capfd.readouterr().out == "/dev/gpiochip99: no such gpiochip; gpiodetect lists those that are there; contacts lamp are out\n"
+    assert capfd.readouterr().out == "/dev/gpiochip99: no such gpiochip; gpiodetect lists those that exist; contacts lamp are out\n"
 
 
 def test_chips_show_the_last_completed_cycle_and_fall_when_there_is_no_new_one(tmp_path: pathlib.Path) -> None:

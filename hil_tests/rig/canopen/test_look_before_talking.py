@@ -102,7 +102,7 @@ def test_nmt_beside_a_master_leaves_when_it_is_asked_for(listener: BrokerPort, m
 
 
 def test_a_scan_asks_beside_a_master_when_it_is_asked_for_and_names_the_way(bus: Bus, master: canopen.Network, axisgate: Axisgate) -> None:
-    assert "or ask all the same with --beside" in axisgate("drive", "scan", "broker:look").stderr
+    assert "or ask anyway with --beside" in axisgate("drive", "scan", "broker:look").stderr
     drive = DurandDrive("look", 5)
     try:
         told = axisgate("drive", "scan", "broker:look", "--beside")
@@ -225,9 +225,9 @@ def test_a_second_sender_of_an_actual_value_is_reported_and_a_late_one_is_not(bu
             link.receive([None])
 
     turns(300, 20)
-    assert "comes twice" not in capsys.readouterr().out
+    assert "is received twice" not in capsys.readouterr().out
     turns(60, 1)
     told = capsys.readouterr().out
-    assert told.count("the actual value of axis 1 comes twice in a cycle: a second device has the same number") == 1, told
+    assert told.count("the actual value of axis 1 is received twice in a cycle: a second device has the same number") == 1, told
     for port in (link, other, twin):
         port.close()

@@ -90,7 +90,7 @@ def test_nothing_is_sent_whatever_the_sources_ask_for(run: RealRun) -> None:
     assert set(senders(run.bus())) == {run.pid("adapter-drives")}, "the cycle sent nothing"
     assert answer.reason == Reason.NOT_READY and answer.enabled == 0
     state = run.state()
-    assert not state.ready and all(axis.flags & AxisFlag.LOST for axis in state.axes[:6]), "what was heard is no drive's word"
+    assert not state.ready and all(axis.flags & AxisFlag.LOST for axis in state.axes[:6]), "what was heard is not a drive's word"
 
 
 def test_the_state_is_reported_everywhere(run: RealRun) -> None:

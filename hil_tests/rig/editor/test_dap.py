@@ -116,7 +116,7 @@ def editor(tmp_path: pathlib.Path) -> Iterator[Editor]:
 
 
 def test_a_breakpoint_holds_the_program_and_shows_its_variables(editor: Editor) -> None:
-    assert editor.launched([7, 16]) == [8, 16], "a label is no statement: the next one is taken"
+    assert editor.launched([7, 16]) == [8, 16], "a label is not a statement: the next one is taken"
     thread, calls = editor.stopped()
     assert calls == [("PICK", 8)]
     assert editor.variables()["Program"]["PARTS"] == "0" and editor.variables()["Channels"] == {"READY": "0", "GRIP": "0"}

@@ -213,7 +213,7 @@ def test_faults_to_order_and_wrong_orders(rig: Rig) -> None:
     for order in ({"axis": 3}, {"axis": 9}, {}):
         with pytest.raises(BadCommandError, match=r"module 3 is not on this bus|axis: "):
             rig.control.ask("wrong_sign", **order)
-    with pytest.raises(BadCommandError, match="is no command"):
+    with pytest.raises(BadCommandError, match="is not a command"):
         rig.control.ask("dance")
     rig.control.ask("quit")
     assert rig.emulator.wait(timeout=5) == 0

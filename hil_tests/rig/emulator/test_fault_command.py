@@ -1,4 +1,4 @@
-"""Faults ordered from the shell at a running emulator: frames lost, a quiet controller, drives; what is no fault is refused in words."""
+"""Faults ordered from the shell at a running emulator: frames lost, a quiet controller, drives; what is not a fault is refused in words."""
 
 import json
 
@@ -40,7 +40,7 @@ def test_a_quiet_controller_is_heard_again(rig: Rig, capsys: pytest.CaptureFixtu
 
 def test_what_is_no_fault_is_refused_in_words(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:  # noqa: F811
     cases = {
-        ("explode",): (1, "'explode' is no command; known:"),
+        ("explode",): (1, "'explode' is not a command; known:"),
         ("drop", "way=sideways"): (1, "way: 'sideways'"),
         ("delay", "ms=0"): (1, "expected more than 0"),
         ("drop", "count=0"): (1, "count: 0; expected a whole number 1..1000000"),

@@ -221,7 +221,7 @@ def test_a_far_end_that_goes_away_is_reported_at_once(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", PLACES)
 def test_settings_somebody_else_changes_do_not_hang_the_port_up(kind: str) -> None:
-    """`stty` at an open port sets VMIN 0: an empty read is no hang-up."""
+    """`stty` at an open port sets VMIN 0: an empty read is not a hang-up."""
     master, slave = os.openpty()
     port = open_bytes(f"{kind}{os.ttyname(slave)}", "9600 8E1")
     settings = termios.tcgetattr(slave)

@@ -90,7 +90,7 @@ def test_a_device_that_was_never_reached_is_reported_and_when_it_is_there(tmp_pa
         await until(lambda: "refused" in client.why.lower(), "nobody listens there")
         reports.step(client, start)
         reports.step(client, start + ms(2999))
-        assert told() == [], "a device that boots with the cell is no finding"
+        assert told() == [], "a device that boots with the cell is not a finding"
         for _ in range(3):
             reports.step(client, start + ms(3000))
         assert len(told()) == 1 and told()[0].startswith(f"Modbus client oven: no connection to tcp://127.0.0.1:{port}: ")

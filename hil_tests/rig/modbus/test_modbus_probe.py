@@ -58,7 +58,7 @@ def test_the_known_points_of_a_server_of_pymodbus() -> None:
 
     asyncio.run(asyncio.wait_for(scene(), 100))
     assert found["FC 3: one of registers"][0] is Verdict.PASS
-    assert found["FC 3: 0 registers"][0] is Verdict.FAIL and found["FC 41h, which is none"][0] is Verdict.FAIL
+    assert found["FC 3: 0 registers"][0] is Verdict.FAIL and found["FC 41h, which does not exist"][0] is Verdict.FAIL
     assert found["one byte per segment"][0] is Verdict.PASS
 
 
@@ -88,9 +88,9 @@ def test_a_server_that_answers_everything_is_warned_about_and_blamed() -> None:
         found = verdicts(port, 0.4)
     assert found["FC 3: one of registers"][0] is Verdict.PASS
     assert found["FC 3: a byte too many"] == (Verdict.WARN, "does not look at the length")
-    assert found["unit that is not there"] == (Verdict.WARN, "answers for any unit id")
+    assert found["unit that does not exist"] == (Verdict.WARN, "answers for any unit id")
     assert found["protocol identifier 1"][0] is Verdict.WARN
-    assert found["FC 3: 126 registers"][0] is Verdict.FAIL and found["FC 41h, which is none"][0] is Verdict.FAIL
+    assert found["FC 3: 126 registers"][0] is Verdict.FAIL and found["FC 41h, which does not exist"][0] is Verdict.FAIL
     assert found["ten requests in one segment"] == (Verdict.FAIL, "1 of 10 requests answered")
 
 
@@ -105,7 +105,7 @@ def test_a_server_without_a_function_does_not_offer_it() -> None:
 
     with naughty(bare) as port:
         found = verdicts(port, 0.4)
-    assert found["FC 17"][0] is Verdict.NOT_OFFERED and found["FC 41h, which is none"][0] is Verdict.PASS
+    assert found["FC 17"][0] is Verdict.NOT_OFFERED and found["FC 41h, which does not exist"][0] is Verdict.PASS
 
 
 # ----------------------------------------------------------------------------------------------------------------- find

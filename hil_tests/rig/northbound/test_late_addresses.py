@@ -54,7 +54,7 @@ def own_network() -> bool:
 def test_an_interface_that_comes_up_late_is_taken() -> None:
     done = subprocess.run(["unshare", "-rn", sys.executable, "-c", LATE], check=True, capture_output=True, text=True, timeout=60)
     assert done.stdout.splitlines() == [
-        "page: no interface of this machine has this address yet; tried again every second until it is there",
+        "page: no interface of this machine has this address yet; tried again every second until it exists",
         "page: listens now",
         "bound 192.0.2.77",
     ]
@@ -89,7 +89,7 @@ def test_what_cannot_come_is_raised_and_waiting_ends_when_asked() -> None:
     with listening("127.0.0.1", 0) as held:
         turns = iter((False, False, True))
         assert asyncio.run(patiently("page", taken, said.append, ended=lambda: next(turns))) is None
-    assert said == ["page: another program has this port; tried again every second until it is there"]
+    assert said == ["page: another program has this port; tried again every second until it exists"]
 
 
 def test_the_page_waits_for_its_port_and_shows_life(tmp_path: pathlib.Path) -> None:

@@ -130,7 +130,7 @@ SPOILED = {
     "more": "surprise.txt",
     "path": "../own.dbc: name",
     "version": "which is older",
-    "no zip": "is no backup",
+    "no zip": "is not a backup",
     "cell": "its cell has faults here",
     "database": "damaged",
 }

@@ -51,4 +51,4 @@ def test_markers_are_one_area_for_every_source(tmp_path: pathlib.Path) -> None:
         plc.until(lambda plc: rack.read(88 + 4, 2) == b"\x00\x08", "output 5.3 in the image")
         assert ask(op="get", address="reis.ibin_out.2")["value"] == 0x800
         assert ask(op="set", address="MD 1436", value="40")["value"] == 40
-        assert not any("override" in entry["text"] for entry in run.journal("command")), "a factor is no command"
+        assert not any("override" in entry["text"] for entry in run.journal("command")), "a factor is not a command"

@@ -1,4 +1,4 @@
-"""AX-611: control of the commissioning tools belongs to one connection and ends with it; reading is no sign of life."""
+"""AX-611: control of the commissioning tools belongs to one connection and ends with it; reading is not a sign of life."""
 
 import contextlib
 import json

@@ -48,7 +48,7 @@ def test_a_file_that_is_there_is_never_written_over(tmp_path: pathlib.Path) -> N
     file.write_text("mine\n")
     made = axisgate("new", "--from", "modbus", str(file), "--defaults")
     assert (made.returncode, file.read_text()) == (2, "mine\n")
-    assert "stays as it is" in made.stderr
+    assert "exists already and is not changed" in made.stderr
 
 
 @pytest.mark.parametrize(

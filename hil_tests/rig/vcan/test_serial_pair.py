@@ -1,4 +1,4 @@
-"""The guest's /dev/ttyS1 and /dev/ttyS2, crossed: a tty driver that is no pty.  What it cannot show: docs/guest.md."""
+"""The guest's /dev/ttyS1 and /dev/ttyS2, crossed: a tty driver that is not a pty.  What it cannot show: docs/guest.md."""
 
 import pytest
 import serial

@@ -152,7 +152,7 @@ def test_a_program_is_held_at_a_breakpoint_stepped_and_changed(web: WebRun, boss
     boss.click("#test-system [data-do=set][data-name=COUNT]")
     boss.fill("#asked", "many")
     boss.click("#send")
-    until(lambda: "a whole number" in boss.inner_text("#toasts"), "what is no number is refused in words")
+    until(lambda: "a whole number" in boss.inner_text("#toasts"), "what is not a number is refused in words")
     boss.click("#test-system [data-do=set][data-name=COUNT]")
     boss.fill("#asked", "40")
     boss.click("#send")

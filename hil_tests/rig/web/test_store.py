@@ -138,7 +138,7 @@ def test_a_full_disk_keeps_entries_waiting_and_the_chain_whole(tmp_path: pathlib
     for n in range(40):
         store.note("anna", "local", "POST /api/stop", "x" * 2000 + str(n))
     assert len(told) == 1 and "is not written (database or disk is full); orders are carried out" in told[0]
-    with pytest.raises(StoreError, match=r"it cannot be kept \(database or disk is full\); free space on the disk of"):
+    with pytest.raises(StoreError, match=r"it cannot be stored \(database or disk is full\); free space on the disk of"):
         store.put_token("x" * 20_000, Role.VIEWER)
     assert store.verify() is None, "what is there is whole"
     store.settle()

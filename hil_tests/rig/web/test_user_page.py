@@ -63,7 +63,7 @@ def test_a_press_is_one_press_by_mouse_touch_and_key_and_ends_where_the_pointer_
     inside.locator("#b b").click()
     assert orders(page, 3) == whole
     inside.locator("#b").tap()
-    assert orders(page, 3) == whole, "a touch is no mouse besides"
+    assert orders(page, 3) == whole, "a touch is not a mouse besides"
     inside.locator("#b").press("Space")
     assert sorted(orders(page, 3)) == sorted(whole)
     inside.locator("#b").press("Enter")

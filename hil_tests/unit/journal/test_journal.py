@@ -117,7 +117,7 @@ def test_a_pipe_nobody_reads_holds_up_nothing_and_says_how_many_lines_are_missin
                                        b"it is read again"]  # fmt: skip
     assert [news.partition(" (")[0].partition(";")[0] for news in console.take_news()] == [
         "standard output accepts no more lines",
-        "standard output takes lines again",
+        "standard output accepts lines again",
     ]
     assert os.get_blocking(write), "the open file that others share is as it was"
     console.close()

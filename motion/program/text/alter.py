@@ -57,7 +57,7 @@ class AlterParts:
 
 def _limited(reference: Tool | Frame, keys: dict[str, str], count: int) -> Alteration:
     if unknown := set(keys) - {*NUMBERS, "until"}:
-        raise Fault(min(unknown), f"alter takes {', '.join(NUMBERS)} and until alone")
+        raise Fault(min(unknown), f"alter accepts only {', '.join(NUMBERS)} and until")
     speed, path, turn, accel, decel = (number(name, keys.get(name, default), -BIG, BIG, unit) for name, (unit, default) in NUMBERS.items())
     limits = Mdesc(accel, speed, decel, path, turn)
     try:

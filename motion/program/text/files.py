@@ -38,7 +38,7 @@ class OpenFiles:
         named = name("move_file", rest[0] if rest else "")
         keys = keys_of(rest[1:])
         if unknown := set(keys) - {"base", "modulo"}:
-            raise Fault(min(unknown), "move_file takes base= and modulo= alone")
+            raise Fault(min(unknown), "move_file accepts only base= and modulo=")
         base = number("base", keys.get("base", str(INTERPOLATION)), -BIG, BIG, "")
         if base != int(base):
             raise Fault("base", f"{base:g}: 1 interpolation cycles, 2 position-controller cycles")

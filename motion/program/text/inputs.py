@@ -21,7 +21,7 @@ def wait_of(keys: Mapping[str, str]) -> StartWait | None:
     """WAIT UNTIL directly before the movement, and MAX_TIME."""
     if "wait" not in keys:
         if "delay" in keys:
-            raise Fault("delay", "belongs to wait=: so long after its input the block begins")
+            raise Fault("delay", "belongs to wait=: the time from its input to the begin of the block")
         return None
     match = _INPUT.fullmatch(keys["wait"])
     if match is None:
@@ -47,7 +47,7 @@ def flying_of(head: str, rest: list[str]) -> Flying:
 def latching_of(head: str, rest: list[str]) -> Latching:
     """setLatch."""
     if (name := one(head, rest)) not in FAST_INPUTS:
-        raise Fault(head, f"{name} is no fast input, {' and '.join(FAST_INPUTS)} are (VAL 3 70)")
+        raise Fault(head, f"{name} is not a fast input, {' and '.join(FAST_INPUTS)} are (VAL 3 70)")
     return Latching(name)
 
 

@@ -43,7 +43,7 @@ KEYS = (
     Key("turn", "deg/s", 1e-3, BIG, DEG, "pace", "turn_speed", "speed of turning of the tool; ptp: at most"),
     Key("pathaccel", "mm/s2", 1e-3, 1e9, 1e-3, "pace", "path_accel", "acceleration along the path; not of ptp"),
     Key("pathdecel", "mm/s2", 1e-3, 1e9, 1e-3, "pace", "path_decel", "deceleration along the path; not of ptp"),
-    Key("time", "s", 1e-3, BIG, 1.0, "pace", "time", "time of the whole block, takes precedence over speeds"),
+    Key("time", "s", 1e-3, BIG, 1.0, "pace", "time", "time of the complete block, takes precedence over speeds"),
     Key("ramp", "%", 0.0, 50.0, 0.01, "pace", "ramp", "share of `time` for each ramp"),
     Key("leave", "mm", 0.0, BIG, 1e-3, "blend", "leave", "distance before the end point at which the corner begins"),
     Key("reach", "mm", 0.0, BIG, 1e-3, "blend", "reach", "distance after the end point at which the corner ends"),
@@ -99,12 +99,12 @@ OTHERS = {
     "camin": "type 3: first section, the belt path A with its unit: 30mm",
     "camout": "type 3: last section, the belt path D with its unit: 70mm",
     "freeze": "yes, in an alterable part: from the end of this block on the correction stays as it is",
-    "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0); ch610, !ch611: a measuring input; ch710: runs on behind it",
+    "until": "NUMBER or !NUMBER: the block ends when this input is 1 (0); ch610, !ch611: a measuring input; ch710: runs on after it",
     "within": "s: the block of until= ends after this time of movement, even without the input",
     "error": "label where the program continues when the input of until= never occurred, "
     "or nothing was measured (mpos) or stored (recorded)",
     "wait": "NUMBER, !NUMBER, ch611: the block begins when this input is 1 (0): fast start-off",
-    "delay": "s: so long after the input of wait= the block begins",
+    "delay": "s: time from the input of wait= to the begin of the block",
 }
 NUMBERS = {key.name: key for key in KEYS}
 WORDS = {choice.name: choice for choice in CHOICES}

@@ -19,7 +19,7 @@ class Labels:
         """acting: sync or a belt function precedes it already."""
         self.label = name(head, one(head, rest))
         if acting:
-            raise Fault(head, f"{self.label} has to stand before sync, mach_pos and belt functions: they belong to the block behind it")
+            raise Fault(head, f"{self.label} must be before sync, mach_pos and belt functions: they belong to the block after it")
         if self.label in self._known:
             raise Fault(head, f"{self.label} is defined twice")
         self._known[self.label] = self.blocks

@@ -157,7 +157,7 @@ class Reader:
             case _ if head in MOVES:
                 self.move(MOVES[head], rest, number)
             case _:
-                raise _Fault("", f"{head!r} is no statement; {', '.join(STATEMENTS)} are")
+                raise _Fault("", f"{head!r} is not a statement; {', '.join(STATEMENTS)} are")
 
     def act(self, head: str, rest: list[str]) -> Act:
         if head == "mach_pos":
@@ -205,7 +205,7 @@ class Reader:
         name = _name("synchron", rest[0] if rest else "")
         keys = _keys(rest[1:])
         if unknown := set(keys) - {"at"}:
-            raise _Fault(min(unknown), "synchron takes at= alone")
+            raise _Fault(min(unknown), "synchron accepts only at=")
         self.parts += 1
         self.part = Synchron(name, length_of("at", keys["at"]) if "at" in keys else None, self.parts)
 
@@ -221,7 +221,7 @@ class Reader:
         name = _name("point", rest[0] if rest else "")
         keys = _keys(word for word in rest[1:] if "=" in word)
         if unknown := set(keys) - {"config", "extra"}:
-            raise _Fault(min(unknown), "a point takes config= and extra= alone")
+            raise _Fault(min(unknown), "a point accepts only config= and extra=")
         target, left = self.target([word for word in rest[1:] if "=" not in word])
         if left:
             raise _Fault("point", f"{' '.join(left)} is too much")
@@ -231,7 +231,7 @@ class Reader:
         keys = _keys(rest)
         for name in keys:
             if name in ONCE:
-                raise _Fault(name, "acts on one block alone and is written there")
+                raise _Fault(name, "acts on one block only and is written there")
         self.block(Interpolation.PTP, JointTarget(()), None, {**self.modal, **keys}, 0)  # only to see whether they are legal
         mirrored_target(JointTarget(()), keys.get("mirror", "-"), asked=False)
         if "radius" in keys:
@@ -318,7 +318,7 @@ class Reader:
 
     def pose(self, key: str, words: list[str]) -> Pose:
         if len(words) != 6:
-            raise _Fault(key, f"six numbers are needed (x y z mm, three angles deg), {len(words)} are there")
+            raise _Fault(key, f"six numbers are needed (x y z mm, three angles deg), found {len(words)}")
         return self.angles.pose([_number(key, word, -BIG, BIG, "") for word in words])
 
     def joints(self, key: str, words: list[str]) -> tuple[float, ...]:
@@ -331,7 +331,7 @@ class Reader:
     def block(self, kind: Interpolation, target: Target | Shift, via: PoseTarget | None, keys: dict[str, str], number: int) -> Block:
         parts: dict[str, dict[str, object]] = {"pace": {}, "blend": {}, "curving": {}, "": {}}
         if keys.get("shape") == "trapezoid":
-            raise _Fault("shape", "a trapezoid steps the acceleration: the law of a block with time= alone (BAHN_ZEIT, ramp=); AX-575")
+            raise _Fault("shape", "a trapezoid steps the acceleration: the law only of a block with time= (BAHN_ZEIT, ramp=); AX-575")
         if "radius" in keys:
             radius = _number("radius", keys["radius"], 0.0, BIG, "mm") * 1e-3
             parts["blend"] |= {"leave": radius, "reach": radius}

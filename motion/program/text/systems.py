@@ -34,9 +34,9 @@ class Systems:
         if len(named) > LONGEST_NAME:
             raise Fault("wc_frame", f"{named}: a name has at most {LONGEST_NAME} characters")
         if named in self.known:
-            raise Fault("wc_frame", f"{named} is there already")
+            raise Fault("wc_frame", f"{named} exists already")
         if len(rest) != 7:
-            raise Fault("wc_frame", f"six numbers are needed (dx dy dz mm, da db dc deg), {len(rest) - 1} are there")
+            raise Fault("wc_frame", f"six numbers are needed (dx dy dz mm, da db dc deg), found {len(rest) - 1}")
         dx, dy, dz, da, db, dc = (number("wc_frame", word, -BIG, BIG, "") for word in rest[1:])
         self.known[named] = WcFrame(dx, dy, dz, da, db, dc, name=named)
 
@@ -50,7 +50,7 @@ def declared(systems: Iterable[WcFrame | None]) -> list[str]:
         if not system.name:
             raise MotionError("a workpiece system without a name cannot be written")
         if found.setdefault(system.name, system) != system:
-            raise MotionError(f"{system.name!r} stands for two workpiece systems in one program")
+            raise MotionError(f"{system.name!r} names two workpiece systems in one program")
     return [f"wc_frame {each.name} {' '.join(f'{value:.13g}' for value in each.values)}" for each in found.values()]
 
 

@@ -93,22 +93,22 @@ class TeamReader:
 
     def kinematic(self, rest: list[str]) -> None:
         if not 1 <= len(rest) <= 2:
-            raise Fault("kinematic", "kinematic NAME ROBOT, or NAME alone to go back to it")
+            raise Fault("kinematic", "kinematic NAME ROBOT, or only NAME to return to it")
         self.now = name("kinematic", rest[0])
         if len(rest) == 1 and self.now not in self.readers:
-            raise Fault("kinematic", f"{self.now!r} is unknown: kinematic NAME ROBOT, with its robot file, comes first")
+            raise Fault("kinematic", f"{self.now!r} is unknown: write kinematic NAME ROBOT, with its robot file, first")
         if len(rest) == 2:
             if self.now in self.readers:
                 raise Fault("kinematic", f"{self.now} has a robot already")
             if self.labels.blocks:
-                raise Fault("kinematic", f"{self.now} has to stand before the first move")
+                raise Fault("kinematic", f"{self.now} must be before the first move")
             if len(self.readers) == MOST_KINEMATICS:
                 raise Fault("kinematic", f"at most {MOST_KINEMATICS} kinematics in one cell")
             self.readers[self.now] = Reader(robot=rest[1])
 
     def reader(self, named: str) -> Reader:
         if named not in self.readers:
-            known = ", ".join(self.readers) or "none: `kinematic NAME ROBOT` comes first"
+            known = ", ".join(self.readers) or "none: write `kinematic NAME ROBOT` first"
             raise Fault("kinematic", f"{named!r} is unknown; {known}" if named else known)
         return self.readers[named]
 
@@ -123,7 +123,7 @@ class TeamReader:
         moves: dict[str, Block] = {}
         for part in parts:
             if part[1:2] == ["move_file"]:
-                raise Fault("move_file", f"one kinematic alone runs a file, in a line of its own: kinematic {part[0]}, then move_file ..")
+                raise Fault("move_file", f"only one kinematic runs a file, in its own line: kinematic {part[0]}, then move_file ..")
             if len(part) < 2 or part[1] not in MOVES:
                 raise Fault("move", f"NAME and one of {', '.join(MOVES)}, then its target; `and` between two kinematics")
             if part[0] in moves:
@@ -169,7 +169,7 @@ class TeamReader:
         if self.alone and (others := [each for each in moving if each != self.alone]):
             what = "alter_end" if self.readers[self.alone].altered.part is not None else "synchron_end"
             raise Fault(
-                key, f"kinematic {self.alone} is on a belt or corrected and moves alone, {', '.join(others)} cannot: {what} comes first"
+                key, f"kinematic {self.alone} is on a belt or corrected and moves alone, {', '.join(others)} cannot: write {what} first"
             )
 
     def act(self, words: list[str], number: int) -> None:
@@ -211,7 +211,7 @@ def read_team(text: str) -> TeamProgram:
     except TextError as error:
         faults.append(error)
     faults += [
-        TextError(0, "start", f"is missing: where the axes of kinematic {each} stand before the first block")
+        TextError(0, "start", f"is missing: where the axes of kinematic {each} are before the first block")
         for each, own in reader.readers.items()
         if not own.start
     ]

@@ -48,7 +48,7 @@ def corner_of(key: str, word: str) -> Vector | None:
 def shift_of(words: list[str]) -> tuple[float, ...]:
     """Differences of a pose: three of mm, three of deg; m and rad."""
     if len(words) != 6:
-        raise Fault("rel pose", f"six numbers are needed (x y z mm, three angles deg), {len(words)} are there")
+        raise Fault("rel pose", f"six numbers are needed (x y z mm, three angles deg), found {len(words)}")
     units = ("mm",) * 3 + ("deg",) * 3
     return tuple(to_si(number("rel pose", word, -BIG, BIG, ""), unit) for word, unit in zip(words, units, strict=True))
 
@@ -174,7 +174,7 @@ def call_of(head: str, rest: list[str], *, inside: bool) -> BeltCall:
     """Numbers in the order and units of the manual: belt from 1, then mm or deg, per s, ms."""
     function, count = CALLS[head]
     if len(rest) != count:
-        raise Fault(head, f"{count} numbers, {len(rest)} are there")
+        raise Fault(head, f"{count} numbers, found {len(rest)}")
     belt, *values = (number(head, word, -BIG, BIG, "") for word in rest)
     if belt != int(belt) or (function != 28 and values[-1] != int(values[-1])):
         raise Fault(head, "numbers of belts, types and times in ms are whole numbers")

@@ -37,13 +37,13 @@ def statement(raw: str, number: int, line: Callable[[list[str], int], None]) -> 
 
 def one(head: str, rest: list[str]) -> str:
     if len(rest) != 1:
-        raise Fault(head, f"one word is needed, {len(rest)} are there")
+        raise Fault(head, f"one word is needed, found {len(rest)}")
     return rest[0]
 
 
 def name(head: str, text: str) -> str:
     if not NAME.fullmatch(text):
-        raise Fault(head, f"{text!r} is no name: letters, digits, _ . - and a letter first")
+        raise Fault(head, f"{text!r} is not a name: letters, digits, _ . - and a letter first")
     return text
 
 
@@ -69,7 +69,7 @@ def number(where: str, text: str, low: float, high: float, unit: str) -> float:
     try:
         value = float(text.removesuffix(unit) if unit and text.endswith(unit) else text)
     except ValueError:
-        raise Fault(where, f"{text!r} is no number") from None
+        raise Fault(where, f"{text!r} is not a number") from None
     if not low <= value <= high:  # a NaN fails here too
         suffix = f" {unit}" if unit else ""
         raise Fault(where, f"{value:g}{suffix} is outside {low:g} .. {high:g}{suffix}")

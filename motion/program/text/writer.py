@@ -114,7 +114,7 @@ def _places(places: Iterable[Tool | Frame]) -> dict[str, Pose]:
     for place in places:
         if place.name:
             if found.setdefault(place.name, place.pose) != place.pose:
-                raise MotionError(f"{place.name!r} stands for two places in one program")
+                raise MotionError(f"{place.name!r} names two places in one program")
         elif place.pose != Tool().pose:
             raise MotionError("a tool or frame without a name cannot be written")
     return found

@@ -100,7 +100,7 @@ class NodeSession:
         self.setup.remotes = tester.wire.simulated
         if not self._answers():
             tester.pause(2 * self.setup.wait)  # an answer that comes too late is none to the next request
-            self.assumed.append(f"node {self.setup.node} does not answer: it is taken to offer everything")
+            self.assumed.append(f"node {self.setup.node} does not answer: it is assumed to offer everything")
             pics |= {item: True for item in (*ALL, *self._more) if item not in pics}
             return pics
         with suppress(Ended):

@@ -195,4 +195,4 @@ def texts(t: NodeTester) -> None:
         except Aborted:
             continue
         if any(byte < 0x20 and byte for byte in text):
-            raise Warn(f"{index:04X}h holds characters that cannot be shown", "a VISIBLE_STRING", text.hex(" ").upper())
+            raise Warn(f"{index:04X}h contains characters that cannot be printed", "a VISIBLE_STRING", text.hex(" ").upper())

@@ -52,7 +52,7 @@ def _another(t: NodeTester) -> int:
 
 @ERR.case(
     "BV_21",
-    "of two errors in 1003h the newer one is in sub-index 1, the older one behind it",
+    "of two errors in 1003h the newer one is in sub-index 1, the older one after it",
     "von zwei Fehlern in 1003h steht der neuere in Subindex 1, der ältere dahinter",
 )
 def newest_first(t: NodeTester) -> None:

@@ -191,7 +191,7 @@ def watched(t: NodeTester) -> None:
         for _ in range(15):
             master_beats(t)
         if found := [frame for frame in t.heard if frame.identifier == t.emcy]:
-            raise Fail("an emergency while the master's heartbeat comes", "nothing", shown(found[0]))
+            raise Fail("an emergency while the master's heartbeat is received", "nothing", shown(found[0]))
 
 
 @ERR.case(

@@ -199,7 +199,7 @@ def tour(t: NodeTester) -> None:
         identifier = frame.identifier & cobid.ID_BITS
         wanted = own.get(identifier)
         if wanted is None and _of_others(identifier, t.setup.node):
-            t.remark(f"another node speaks on {identifier:03X}h")
+            t.remark(f"another node sends on {identifier:03X}h")
         elif wanted is None:
             raise Fail(f"it sends {shown(frame)}", "identifiers of this node", shown(frame))
         elif wanted and len(frame.data) not in wanted:

@@ -185,7 +185,7 @@ def invalid(t: NodeTester) -> None:
             cob = t.number((TX, 1))
             t.download((TX, 1), cob | cobid.INVALID, 4)
             if t.number((TX, 1)) & cobid.INVALID == 0:
-                raise Fail("1800h:01 does not take bit 31", "bit 31 set", "bit 31 clear")
+                raise Fail("1800h:01 does not accept bit 31", "bit 31 set", "bit 31 clear")
         if any(synced(t, identifier, 4)):
             raise Fail("TPDO 1 is sent though 1800h:01 marks it as not valid", "nothing", "a TPDO")
 

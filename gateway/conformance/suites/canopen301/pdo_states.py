@@ -168,7 +168,7 @@ def set_back(t: NodeTester) -> None:
         others = offered_types(t, TX, *(number for number in (255, 254, 1, 5) if number != kind[0]))
         t.reset(Command.RESET_COMMUNICATION)
     if not others:
-        raise NotApplicable("1800h:02 takes one value only")
+        raise NotApplicable("1800h:02 accepts one value only")
     got = t.upload((TX, 2))
     if got != kind:
         t.reset()

@@ -44,10 +44,10 @@ def judge_form(t: NodeTester, got: bytes, name: str, size: int) -> None:
         return
     what = f"upload of {name}: command byte {got[0]:02X}h"
     if got[0] == Answer.INITIATE_UPLOAD << 5 | sdo.EXPEDITED:
-        raise Warn(f"{what}; it does not give its size, and a master has to know it", expected, hexed(got))
+        raise Warn(f"{what}; its size is missing, and a master needs it", expected, hexed(got))
     if got[0] & ~sdo.SIZED == Answer.INITIATE_UPLOAD << 5:
         if len(data := t.segments(f"upload of {name}")) == size:
-            raise Warn(f"{what}; in segments, which some masters do not read for so little", expected, hexed(got))
+            raise Warn(f"{what}; in segments, which some masters cannot read for so few bytes", expected, hexed(got))
         raise Fail(f"upload of {name}: {len(data)} bytes in segments", f"{size} bytes", hexed(data))
     raise Fail(what, expected, hexed(got))
 
@@ -143,9 +143,9 @@ def _same(t: NodeTester, got: bytes) -> None:
     with t.given():
         wanted = t.upload(t.setup.long)
         if got != wanted and t.upload(t.setup.long) != wanted:
-            raise NotApplicable(f"what {named(t.setup.long)} holds changes by itself")
+            raise NotApplicable(f"the value of {named(t.setup.long)} changes by itself")
     if got != wanted:
-        raise Fail("a block upload gives other bytes than a segmented one", hexed(wanted), hexed(got))
+        raise Fail("a block upload returns other bytes than a segmented one", hexed(wanted), hexed(got))
 
 
 @SDO.case(
@@ -233,7 +233,7 @@ def new_request(t: NodeTester) -> None:
     if len(t.upload(DEVICE_TYPE)) != 4:
         raise Fail("1000h during another upload", "four bytes", "another length")
     if (got := t.upload(t.setup.text)) != wanted:
-        raise Fail("the next upload gives other bytes", hexed(wanted), hexed(got))
+        raise Fail("the next upload returns other bytes", hexed(wanted), hexed(got))
 
 
 @SDO.case("BO_03", "a request of seven bytes is not executed", "eine Anfrage mit sieben Bytes wird nicht ausgeführt")
@@ -265,7 +265,7 @@ def given_up(t: NodeTester) -> None:
     t.say(cobid.sdo_request(t.setup.node), sdo.abort(t.setup.long, Abort.GENERAL))
     t.pause(ms(20))
     if len(t.upload(DEVICE_TYPE)) != 4:
-        raise Fail("1000h after a block upload that was given up", "four bytes", "another length")
+        raise Fail("1000h after a block upload that was abandoned", "four bytes", "another length")
 
 
 @SDO.case(

@@ -42,7 +42,7 @@ def many_beats(t: NodeTester) -> None:
     if wrong:
         raise Fail(f"heartbeat {frames.index(wrong[0]) + 1} of {MANY} shows another state", "05 (operational)", shown(wrong[0]))
     if len(frames) < MANY:
-        raise Fail(f"after {len(frames)} heartbeats none comes any more", f"{MANY}", str(len(frames)))
+        raise Fail(f"after {len(frames)} heartbeats no more are received", f"{MANY}", str(len(frames)))
     t.timed("longest time between two heartbeats, 1017h = 40", max(gaps(frames)), None, ms(1.6 * PERIOD))
 
 

@@ -136,7 +136,7 @@ def own_server(t: NodeTester) -> None:
             continue
         found = True
         if (got := t.number((0x1200, sub))) != wanted:
-            raise Fail(f"1200h:{sub:02X} is {got:X}h", f"{wanted:X}h, on which it is asked or answers", f"{got:X}h")
+            raise Fail(f"1200h:{sub:02X} is {got:X}h", f"{wanted:X}h, on which it is requested or answers", f"{got:X}h")
     if not found:
         raise NotApplicable("there is no 1200h")
 
@@ -185,7 +185,7 @@ def read_only(t: NodeTester) -> None:
         got = t.ask(request)
         if got[:1] != b"\x80":
             raise Fail(
-                f"{entry} takes a write, the EDS states it as {entry.access.name.lower()}", "an abort", hexed(got) if got else "silence"
+                f"{entry} accepts a write, the EDS states it as {entry.access.name.lower()}", "an abort", hexed(got) if got else "silence"
             )
         if sdo.abort_of(got).code == Abort.NO_OBJECT:
-            raise Fail(f"{entry}: a write is refused as if it were not there", "06010002h", hexed(got))
+            raise Fail(f"{entry}: a write is refused as if it did not exist", "06010002h", hexed(got))

@@ -52,7 +52,7 @@ def forgets(t: NodeTester) -> None:
         t.download(HEARTBEAT, ODD, len(before))
     t.power.cycle()
     if t.boot_up(max(t.setup.boot, t.power.back)) is None:
-        t.remark("no boot-up message was heard after power-on")
+        t.remark("no boot-up message was received after power-on")
     t.ready()
     got = t.upload(HEARTBEAT)
     if int.from_bytes(got, "little") == ODD:
@@ -75,7 +75,7 @@ def remembers(t: NodeTester) -> None:
             t.download((0x1010, 1), SAVE, 4)
         t.power.cycle()
         if t.boot_up(max(t.setup.boot, t.power.back)) is None:
-            t.remark("no boot-up message was heard after power-on")
+            t.remark("no boot-up message was received after power-on")
         t.ready()
         if (got := t.number(HEARTBEAT)) != ODD:
             raise Fail(f"1017h is {got} after 1010h and power-off", f"{ODD}, as stored", str(got))

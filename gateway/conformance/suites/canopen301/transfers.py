@@ -105,7 +105,7 @@ def gap(t: NodeTester) -> None:
         except Aborted as refused:
             if refused.code != Abort.SEQUENCE:
                 raise
-            raise Warn("a lost segment ends the transfer; the client must begin anew", "A2h 00h", refused.got) from refused
+            raise Warn("a lost segment ends the transfer; the client must start again", "A2h 00h", refused.got) from refused
         _acknowledged(t, 1, 1)
         got = t.asked(sdo.block_end(Request.BLOCK_DOWNLOAD, 5, sdo.crc(DATA)), "the end of a block download")
         block_ended(t, got, "a block download with a repeated segment")

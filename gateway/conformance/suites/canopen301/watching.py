@@ -187,7 +187,9 @@ def moved(t: NodeTester) -> None:
             with watched_master(t):
                 frame = t.hear((OTHER_EMCY, t.emcy), WAIT)
             if frame is None or frame.identifier != OTHER_EMCY:
-                raise Fail(f"1014h is {OTHER_EMCY:03X}h, the emergency is elsewhere", f"a message on {OTHER_EMCY:03X}h", shown(frame))
+                raise Fail(
+                    f"1014h is {OTHER_EMCY:03X}h, the emergency has another identifier", f"a message on {OTHER_EMCY:03X}h", shown(frame)
+                )
         finally:
             t.reset()
 

@@ -84,7 +84,7 @@ def velocity_bounded(t: NodeTester) -> None:
 
 @FLT.case(
     "BI_04",
-    "a lag beyond 6065h that is over before 6066h is no fault",
+    "a lag beyond 6065h that is over before 6066h is not a fault",
     "ein Schleppabstand über 6065h, der vor 6066h vorbei ist, ist kein Fehler",
 )
 def short_lag(t: NodeTester) -> None:

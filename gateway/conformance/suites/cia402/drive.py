@@ -36,7 +36,7 @@ REACHED, BIT12, BIT13, INTERNAL = 0x400, 0x1000, 0x2000, 0x800
 
 def named(status: int) -> str:
     """A statusword in hex and words."""
-    return f"{status:04X}h ({NAMES.get(state_of(status), 'no state of the standard')})"
+    return f"{status:04X}h ({NAMES.get(state_of(status), 'not a state of the standard')})"
 
 
 def state_of(status: int) -> int:
@@ -173,7 +173,7 @@ def choose(t: NodeTester, key: Key, option: int) -> None:
     try:
         t.download(key, option, 2)
     except Aborted as refused:
-        raise NotApplicable(f"{object_name(key)} does not take {option}: {refused.got}") from refused
+        raise NotApplicable(f"{object_name(key)} does not accept {option}: {refused.got}") from refused
 
 
 def plan(t: NodeTester) -> tuple[int, int]:

@@ -118,7 +118,7 @@ def kept(t: NodeTester) -> None:
 
 @WIDE.case(
     "BI_05",
-    "a lag inside 6065h is no fault, however long it lasts",
+    "a lag inside 6065h is not a fault, however long it lasts",
     "ein Schleppabstand innerhalb 6065h ist kein Fehler, wie lange er auch dauert",
 )
 def inside(t: NodeTester) -> None:
@@ -142,7 +142,7 @@ def motor_speed(t: NodeTester) -> None:
         try:
             t.download(MOTOR_SPEED, SLOW_RPM, 4)
         except Aborted as refused:
-            raise NotApplicable(f"6080h does not take {SLOW_RPM}: {refused.got}") from refused
+            raise NotApplicable(f"6080h does not accept {SLOW_RPM}: {refused.got}") from refused
         with turning(t) as chosen:
             t.download(TARGET_SPEED, chosen, 4)
             top, begin = 0, t.now()

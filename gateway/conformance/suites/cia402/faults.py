@@ -231,7 +231,7 @@ _option(5, 3, DISABLED, "is quick stop", "ist Quick Stop")
 
 @FLT.case(
     "BV_06",
-    "while the master's heartbeat comes nothing happens",
+    "while the master's heartbeat is received nothing happens",
     "solange der Heartbeat des Masters kommt, geschieht nichts",
     condition=WATCHES,
     preamble=(*POWER, LOST),
@@ -240,7 +240,7 @@ def supervised_well(t: NodeTester) -> None:
     with brought_to(t, ENABLED), supervised(t, 1):
         for _ in range(10):
             beat(t)
-            stays(t, ENABLED, "the master is there", ms(watched_ms(t) // 2))
+            stays(t, ENABLED, "the master is present", ms(watched_ms(t) // 2))
 
 
 @FLT.case(
@@ -260,7 +260,9 @@ def following(t: NodeTester) -> None:
         t.on_grid(2)
         if state_of(status(t)) == ENABLED and abs(position(t) - goal) <= max(way // 20, 1):
             raise Inconclusive(
-                "this jump is no following error: the drive makes it in two cycles; state [link] way", "a lag beyond 6065h", "it is there"
+                "this jump is not a following error: the drive makes it in two cycles; state [link] way",
+                "a lag beyond 6065h",
+                "it is there",
             )
         for _ in range(100):
             t.on_grid()

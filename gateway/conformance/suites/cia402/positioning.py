@@ -117,7 +117,7 @@ def _lengthen(t: NodeTester, start: int) -> None:
         if took >= max(SHORTEST, 8 * t.setup.took):
             break
         if not t.wire.simulated:
-            t.remark(f"a way of {way} takes {took / 1e6:.0f} ms: too little; state [link] way")
+            t.remark(f"a distance of {way} takes {took / 1e6:.0f} ms, too short; state [link] way")
             return
         way *= 4
     if way != plan(t)[1]:

@@ -161,7 +161,7 @@ def quick_stop_stays(t: NodeTester) -> None:
     with t.kept(QUICK_OPTION), brought_to(t, ENABLED):
         got = _takes(t, 6)
         if not got:
-            raise Warn("605Ah does not take 6", "quick stop that stays", "refused")
+            raise Warn("605Ah does not accept 6", "quick stop that stays", "refused")
         control(t, 0x02)
         reaches(t, QUICK, "quick stop, 605Ah = 6")
         stays(t, QUICK, "quick stop, 605Ah = 6", ms(500))
@@ -179,7 +179,7 @@ def quick_stop_stays(t: NodeTester) -> None:
 def quick_stop_left(t: NodeTester) -> None:
     with t.kept(QUICK_OPTION), brought_to(t, ENABLED):
         if not _takes(t, 6):
-            raise Warn("605Ah does not take 6", "quick stop that stays", "refused")
+            raise Warn("605Ah does not accept 6", "quick stop that stays", "refused")
         control(t, 0x02)
         with t.given():
             reaches(t, QUICK, "quick stop, 605Ah = 6")

@@ -49,7 +49,7 @@ def _slowed(t: NodeTester, key: Key, start: int, way: int) -> Ns:
     try:
         t.download(key, max(round(plan(t)[0] * 1e9 / lasts), 1), 4)
     except Aborted as refused:
-        raise NotApplicable(f"{object_name(key)} does not take this ramp: {refused.got}") from refused
+        raise NotApplicable(f"{object_name(key)} does not accept this ramp: {refused.got}") from refused
     return lasts
 
 

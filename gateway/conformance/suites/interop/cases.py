@@ -223,7 +223,7 @@ def no_buffer(t: LineTester, profile: Profile) -> None:
     p.play(lambda: bool(p.heard), t.setup.stimulus_wait)
     p.play(lambda: len(p.refused) > 1, profile.no_buffer_wait + ms(30))
     p.link.set_buffer_free(True, t.wire.now())
-    arrived(t, p, "its block, refused at first for want of a buffer,", patience(profile, t))
+    arrived(t, p, "its block, refused at first because no buffer was free,", patience(profile, t))
 
 
 def alternately(t: LineTester, profile: Profile) -> None:
@@ -291,7 +291,7 @@ def writes(t: LineTester, profile: Profile) -> None:
             done(job(t, p, give, f"SEND DB{db}.DW0", limit), p, f"SEND DB{db}.DW0")
             back = done(job(t, p, lambda: p.active.fetch(0, 2, block=db), f"FETCH DB{db}.DW0", limit), p, "FETCH")
             if back != data:
-                raise Fail(f"what {profile.name} wrote reads back otherwise", data.hex(" ").upper(), back.hex(" ").upper())
+                raise Fail(f"what {profile.name} wrote reads back differently", data.hex(" ").upper(), back.hex(" ").upper())
     except Fail:
         with contextlib.suppress(Fail):  # written words may be unreadable; the other makers find the former words
             p.quiet(LATER)
@@ -306,7 +306,7 @@ def is_served(t: LineTester, profile: Profile) -> None:
     p.play(lambda: p.sent > 0 or bool(p.failed), long_enough(t, profile))
     if not p.sent:
         got = joined(p.failed) or "nothing"
-        raise Fail(f"it does not take the reaction of {profile.name} to its own command", "DLE (10h)", got)
+        raise Fail(f"it does not accept the reaction of {profile.name} to its own command", "DLE (10h)", got)
     p.quiet(LATER)
 
 

@@ -212,9 +212,9 @@ def _diagnostics(p: Purposes[ModbusTester], basic: str) -> None:
         got = t.ask(asked)
         if got and not got[0] & 0x80 and got != asked:
             raise Fail("FC 8/0 with four bytes: they are not returned", t.words(asked), t.words(got))
-        lived = t.exception(b"\x08\x7f\xff\0\0", 1, "FC 8/32767, which is none", (2, 3))
+        lived = t.exception(b"\x08\x7f\xff\0\0", 1, "FC 8/32767, which does not exist", (2, 3))
         if lived is not None:
-            raise Warn(f"FC 8/32767, which is none, is refused with {lived:02X}h", "01h", f"{lived:02X}h")
+            raise Warn(f"FC 8/32767, which does not exist, is refused with {lived:02X}h", "01h", f"{lived:02X}h")
 
 
 def _collect(prefix: str) -> Purposes[ModbusTester]:

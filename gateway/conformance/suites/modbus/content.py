@@ -63,7 +63,7 @@ def same_values(got: list[int], wanted: list[int], what: str) -> None:
         [f"{value:04X}" if max(wanted + got) > 1 else str(value) for value in wanted],
         [f"{value:04X}" if max(wanted + got) > 1 else str(value) for value in got],
     )
-    raise Fail(f"{what} reads otherwise{why}", " ".join(shown[0]), " ".join(shown[1]))
+    raise Fail(f"{what} reads differently{why}", " ".join(shown[0]), " ".join(shown[1]))
 
 
 def pattern(count: int) -> list[int]:
@@ -237,14 +237,16 @@ def _writes_in_one_request(p: Purposes[ModbusTester], first: tuple[str, ...]) ->
             values = pattern(count)
             got = t.normal(struct.pack(f">BHHHHB{count}H", 23, at, count, at, count, 2 * count, *values), "FC 23")
             if len(got) != 2 + 2 * count or got[1] != 2 * count:
-                raise Fail("FC 23: badly built answer", f"17h, byte count {2 * count}, data", t.words(got))
+                raise Fail("FC 23: malformed answer", f"17h, byte count {2 * count}, data", t.words(got))
             same_values(list(struct.unpack(f">{count}H", got[2:])), values, "what FC 23 read")
             same_values(t.registers(3, at, count), values, "what FC 23 wrote")
             half = count // 2
             if half:
                 got = t.normal(struct.pack(f">BHHHHB{half}H", 23, at + half, half, at, half, 2 * half, *[0x5A00] * half), "FC 23")
                 same_values(
-                    list(struct.unpack(f">{half}H", got[2 : 2 + 2 * half])), values[half : 2 * half], "what FC 23 read beside its write"
+                    list(struct.unpack(f">{half}H", got[2 : 2 + 2 * half])),
+                    values[half : 2 * half],
+                    "what FC 23 read in addition to its write",
                 )
 
 

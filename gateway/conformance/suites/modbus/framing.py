@@ -99,7 +99,7 @@ def pieces(t: ModbusTester) -> None:
                 raise Fail(f"answered after {place} of {len(frame)} bytes", "nothing yet", "an answer")
         found = t.answer_frame()
         if len(found) < 8 or found[:2] != frame[:2]:
-            raise Fail(f"a request cut behind byte {cut[0]}: {t.words(found)}", "an answer", t.words(found))
+            raise Fail(f"a request cut after byte {cut[0]}: {t.words(found)}", "an answer", t.words(found))
 
 
 @TCP.case(
@@ -116,7 +116,7 @@ def foreign(t: ModbusTester) -> None:
         t.send(ANSWER.pack(0x3001, protocol, len(pdu) + 1, t.setup.unit) + pdu)
         found = t.answer_frame()
         if found:
-            raise Fail(f"protocol identifier {protocol:04X}h is answered: it is no Modbus", "silence, or close", t.words(found))
+            raise Fail(f"protocol identifier {protocol:04X}h is answered: it is not Modbus", "silence, or close", t.words(found))
         _served(t, f"a frame with the protocol identifier {protocol:04X}h")
 
 
@@ -145,7 +145,7 @@ _length(5, "a length of 65535", "eine Länge 65535", 0xFFFF)
 
 @TCP.case(
     "BI_06",
-    "a unit that is not there: silence, 0Ah or 0Bh",
+    "a unit that does not exist: silence, 0Ah or 0Bh",
     "ein nicht vorhandenes Gerät: Stille, 0Ah oder 0Bh",
     clause="TCP guide, 4.4.2.3",
 )
@@ -311,7 +311,7 @@ def torn(t: ModbusTester) -> None:
         t.send(frame[cut:])
         found += t.answer_frame()
         if found:
-            raise Fail(f"a request with {PAUSE_MS} ms of silence behind byte {cut} was answered", "silence", t.words(found))
+            raise Fail(f"a request with {PAUSE_MS} ms of silence after byte {cut} was answered", "silence", t.words(found))
 
 
 @RTU.case("BI_06", "a broadcast read is not answered", "ein Rundspruch-Lesen wird nicht beantwortet", clause="serial line guide V1.02, 2.1")

@@ -121,7 +121,7 @@ _header(
 
 @LEN.case(
     "RC_01",
-    "after a byte behind a whole request a new connection is served",
+    "after a byte that follows a complete request a new connection is served",
     "nach einem Byte hinter einer ganzen Anfrage wird eine neue Verbindung bedient",
     clause="TCP guide, 4.2.1",
 )
@@ -135,4 +135,4 @@ def behind(t: ModbusTester) -> None:
         t.reconnect()
         got = t.ask(request)
         if not got:
-            raise Fail(f"after a request and a byte {byte.hex().upper()}h behind it nothing is answered", "an answer", t.words(got))
+            raise Fail(f"after a request followed by byte {byte.hex().upper()}h nothing is answered", "an answer", t.words(got))

@@ -22,7 +22,7 @@ def _never_executed(t: ModbusTester, function: int) -> None:
 def _objects(t: ModbusTester, got: bytes) -> list[int]:
     """The numbers of the objects in one answer of FC 43/14."""
     if len(got) < 8 or got[1] != 0x0E or got[2] != 1 or got[6] < 1:
-        raise Fail("FC 43/14: badly built answer", "2B 0E 01, conformity, more, next, count, objects", t.words(got))
+        raise Fail("FC 43/14: malformed answer", "2B 0E 01, conformity, more, next, count, objects", t.words(got))
     if got[3] & 0x7F not in (1, 2, 3):
         raise Fail(f"FC 43/14: conformity level {got[3]:02X}h", "01h, 02h, 03h, 81h, 82h or 83h", t.words(got))
     if got[4] not in (0, 0xFF):
@@ -34,7 +34,7 @@ def _objects(t: ModbusTester, got: bytes) -> list[int]:
         named.append(got[at])
         at += 2 + got[at + 1]
     if at != len(got):
-        raise Fail(f"FC 43/14: {len(got) - at} bytes behind the last object", "none", t.words(got))
+        raise Fail(f"FC 43/14: {len(got) - at} bytes after the last object", "none", t.words(got))
     return named
 
 
@@ -91,7 +91,7 @@ def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
     )
     def none(t: ModbusTester) -> None:
         for function in (0x41, 0x09, 0x64, 0x6E, 0x7F):
-            t.exception(bytes((function, 0, 0, 0, 1)), 1, f"FC {function:02X}h, which is none")
+            t.exception(bytes((function, 0, 0, 0, 1)), 1, f"FC {function:02X}h, which does not exist")
 
     @p.case(
         "BI_02",
@@ -126,6 +126,6 @@ def other_functions(p: Purposes[ModbusTester], basic: str) -> None:
         t.exception(b"\x2b\x0e\x00\x00", 3, "FC 43/14, code 0")
         other = t.ask(b"\x2b\x55\x00\x00")  # a transport that is none
         if other and not other[0] & 0x80:
-            raise Fail("FC 43 with MEI type 55h, which is none, was executed", "an exception", t.words(other))
+            raise Fail("FC 43 with MEI type 55h, which does not exist, was executed", "an exception", t.words(other))
 
     _short_answers(p, basic)

@@ -93,7 +93,7 @@ def broadcasts(t: ModbusTester) -> None:
         raise NotApplicable("nothing may be written")
     if lost:
         ended = Fail if done or t.setup.pics.get("broadcast_stated") else Warn
-        raise ended(f"a broadcast of {', '.join(lost)} has no effect", "effect as of a request", "the values as before")
+        raise ended(f"a broadcast of {', '.join(lost)} has no effect", "the effect of a request", "the values as before")
 
 
 @STA.case(
@@ -113,7 +113,7 @@ def refused_broadcasts(t: ModbusTester) -> None:
 
 @STA.case(
     "BI_03",
-    "a request with bytes before or behind it, or two without silence between them: no frame",
+    "a request with bytes before or after it, or two without silence between them: no frame",
     "eine Anfrage mit Bytes davor oder dahinter, oder zwei ohne Stille dazwischen: kein Telegramm",
     clause="serial line guide V1.02, 2.5.1.1",
     preamble=("MBRTU_FUN_BV_01", "MBRTU_RTU_BI_01"),
@@ -123,7 +123,7 @@ def round_about(t: ModbusTester) -> None:
     function, at = next(iter(t.setup.base.items()), (3, 0))
     frame = t.frame(struct.pack(">BHH", function, at, 1))
     for what, data in (
-        ("a request with a byte behind it", frame + b"\xa5"),
+        ("a request followed by a byte", frame + b"\xa5"),
         ("a request with a byte before it", b"\xa5" + frame),
         ("two requests without silence between them", frame + frame),
     ):

@@ -126,7 +126,7 @@ def long_pieces(t: ModbusTester) -> None:
             t.send(frame[cut:])
             found = _answer(t)
             if found[7:] != pdu[:5]:
-                raise Fail(f"FC 16 of {len(frame)} bytes, cut behind byte {cut}", t.words(pdu[:5]), _shown(t, found))
+                raise Fail(f"FC 16 of {len(frame)} bytes, cut after byte {cut}", t.words(pdu[:5]), _shown(t, found))
 
 
 @TCP.case(
@@ -155,7 +155,7 @@ def used_number(t: ModbusTester) -> None:
 
 @TCP.case(
     "BI_07",
-    "a write to a unit that is not there is not executed",
+    "a write to a unit that does not exist is not executed",
     "ein Schreiben an ein nicht vorhandenes Gerät wird nicht ausgeführt",
     clause="TCP guide, 4.4.2.3",
     preamble=(FIRST, MISSING),

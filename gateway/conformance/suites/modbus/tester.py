@@ -223,8 +223,8 @@ class ModbusTester(Tester):
         fault = self._frame_fault(frame, found, pdu)
         if fault:
             if judge and not self._preparing:
-                raise Fail(fault, f"a well built answer to {hexed(frame)}", hexed(found))
-            raise Inconclusive(f"preamble: {fault}", f"a well built answer to {hexed(frame)}", hexed(found))
+                raise Fail(fault, f"a well-formed answer to {hexed(frame)}", hexed(found))
+            raise Inconclusive(f"preamble: {fault}", f"a well-formed answer to {hexed(frame)}", hexed(found))
         return found[1:-2] if self.rtu else found[7:]
 
     def quiet(self) -> None:
@@ -241,7 +241,7 @@ class ModbusTester(Tester):
         unit = asked[0] if self.rtu else asked[6]
         if self.rtu:
             if len(found) < 5 or crc(found):
-                return "the answer is no RTU frame: its CRC does not fit"
+                return "the answer is not an RTU frame: its CRC does not fit"
             if found[0] != unit:
                 return f"unit {found[0]} answered, {unit} was asked"
             return _function_fault(found[1:-2], pdu)

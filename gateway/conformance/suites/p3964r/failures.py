@@ -183,7 +183,7 @@ def all_refused(t: LineTester) -> None:
 
 @SND.case(
     "BI_10",
-    "STX after the block is no acknowledgement",
+    "STX after the block is not an acknowledgement",
     "STX nach dem Block ist keine Quittung",
     requirements=("RHO-SER-07",),
     preamble=(FIRST, REPEATS),
@@ -218,7 +218,7 @@ def dle_twice(t: LineTester) -> None:
         return
     block = t.read()
     if block is None:
-        raise Warn("breaks off when DLE comes twice, as one source has it", "its block", t.last(8))
+        raise Warn("breaks off when DLE comes twice, as one source states", "its block", t.last(8))
     t.say(DLE)
     got = t.answer(t.tolerance)
     if got == Char.NAK:

@@ -142,7 +142,7 @@ def from_its_end(t: LineTester) -> None:
 def waits_behind(t: LineTester) -> None:
     assert t.setup.stimulus is not None
     if not t.setup.stimulus_name.startswith("stimulate()") or not t.profile.nak_when_giving_up:
-        raise NotApplicable("no two jobs can be given to it at once")
+        raise NotApplicable("it cannot be given two jobs at once")
     wait = t.profile.char_delay + t.profile.ack_delay + ms(500)
     t.setup.stimulus(t)
     t.starts_sending()

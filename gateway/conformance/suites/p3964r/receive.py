@@ -114,7 +114,7 @@ def _length(number: int, size: int | None) -> None:
     def body(t: LineTester) -> None:
         most = _most(t)
         if size is not None and size > most:
-            raise NotApplicable(f"the station takes {most} characters")
+            raise NotApplicable(f"the station accepts {most} characters")
         t.good(text(most if size is None else size), words)
 
 
@@ -148,7 +148,7 @@ def every_value(t: LineTester) -> None:
     requirements=("RHO-SER-03",),
 )
 def false_end(t: LineTester) -> None:
-    t.good_once(b"U\x10\x03X\x10\x17W", "a block that holds 10h 03h and 10h 17h as data")
+    t.good_once(b"U\x10\x03X\x10\x17W", "a block that contains 10h 03h and 10h 17h as data")
 
 
 # ---- capabilities
@@ -181,6 +181,6 @@ def too_long(t: LineTester) -> None:
     t.say(wire_block(text(size), t.profile.block_check))
     got = t.answer(t.profile.ack_delay + t.tolerance)
     if got == Char.DLE:
-        raise Warn(f"takes more than the {size - 1} characters of its profile", "NAK (15h)", "DLE (10h)")
+        raise Warn(f"accepts more than the {size - 1} characters of its profile", "NAK (15h)", "DLE (10h)")
     if got != Char.NAK:
         t.fail(f"a block of {size} characters", got, "NAK (15h)")

@@ -60,7 +60,7 @@ def gap_before_check(t: LineTester) -> None:
 
 @RCV.case(
     "TI_04",
-    "silence behind a DLE: NAK when ZVZ is over",
+    "silence after a DLE: NAK when ZVZ is over",
     "Stille hinter einem DLE: NAK nach Ablauf der ZVZ",
     requirements=("RHO-SER-06",),
     beside=ZVZ,
@@ -69,7 +69,7 @@ def gap_before_check(t: LineTester) -> None:
 def gap_in_pair(t: LineTester) -> None:
     t.connect()
     t.say(b"UV\x10")
-    t.expect_at(Char.NAK, t.profile.char_delay, "silence behind a DLE")
+    t.expect_at(Char.NAK, t.profile.char_delay, "silence after a DLE")
 
 
 @RCV.case(
@@ -139,7 +139,7 @@ def after_gap(t: LineTester) -> None:
         got = t.answer(t.profile.char_delay * 3 + ms(500))
         if got not in (Char.NAK, None):
             t.fail("a block that broke off", got, "NAK (15h)")
-        after = f"one that broke off behind {part.hex(' ') or 'DLE'}"
+        after = f"one that broke off after {part.hex(' ') or 'DLE'}"
         t.open()  # judged: finds a station that ignores STX for a while
         t.say(wire_block(PAYLOAD, t.profile.block_check))
         t.expect(Char.DLE, t.profile.ack_delay, f"a good block after {after}")

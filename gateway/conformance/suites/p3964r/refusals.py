@@ -109,7 +109,7 @@ def broken_pair(t: LineTester) -> None:
 
 @RCV.case(
     "BI_07",
-    "the rest of a refused block is no connection",
+    "the rest of a refused block is not a connection",
     "der Rest eines abgelehnten Blocks ist kein Verbindungsaufbau",
     clause="serial-protocols 1.4: noted, heard to the end",
     preamble=BAD,
@@ -165,7 +165,7 @@ def parity_in_check(t: LineTester) -> None:
 
 @RCV.case(
     "BI_12",
-    "the rest of a block with a damaged character is no connection",
+    "the rest of a block with a damaged character is not a connection",
     "der Rest eines Blocks mit einem gestörten Zeichen ist kein Verbindungsaufbau",
     clause="serial-protocols 1.4: noted, heard to the end",
     requirements=("RHO-SER-09",),
@@ -248,7 +248,7 @@ def idle_dle(t: LineTester) -> None:
     stray_answer(t, "DLE in idle")
 
 
-@RCV.case("BO_05", "DLE ETX in idle is no block", "DLE ETX in Ruhe ist kein Block", preamble=(CONNECT,))
+@RCV.case("BO_05", "DLE ETX in idle is not a block", "DLE ETX in Ruhe ist kein Block", preamble=(CONNECT,))
 def idle_end(t: LineTester) -> None:
     t.say(b"\x10\x03\x55")
     got = [t.answer(t.profile.char_delay + t.tolerance + ms(200))]
@@ -267,7 +267,7 @@ def _no_own_request() -> Iterator[None]:
         yield
     except Fail as failed:
         if failed.got == named(Char.STX):
-            raise Disturbed("its own send request has met our STX", failed.expected, failed.got) from failed
+            raise Disturbed("its own send request has collided with our STX", failed.expected, failed.got) from failed
         raise
 
 

@@ -64,7 +64,7 @@ def sends(t: LineTester) -> None:
 
 @SND.case(
     "BV_02",
-    "DLE doubled, block check right, nothing behind it",
+    "DLE doubled, block check right, nothing after it",
     "DLE verdoppelt, Blockprüfung richtig, nichts dahinter",
     requirements=("RHO-SER-03", "RHO-SER-04"),
 )
@@ -154,7 +154,7 @@ def just_in_time(t: LineTester) -> None:
     t.say(DLE)
     block = t.read()
     if block is None:
-        raise Fail(f"DLE {JUST / 1e6:.0f} ms before the end of QVZ was not taken", "its block", t.last(8))
+        raise Fail(f"DLE {JUST / 1e6:.0f} ms before the end of QVZ was not accepted", "its block", t.last(8))
     t.say(DLE)
 
 

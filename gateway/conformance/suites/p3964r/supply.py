@@ -43,7 +43,7 @@ def receiving(t: LineTester) -> None:
         t.connect()
         t.say(part)
         t.power.cycle()
-        works_again(t, f"a power failure behind {part.hex(' ').upper() or 'DLE'} of a block")
+        works_again(t, f"a power failure after {part.hex(' ').upper() or 'DLE'} of a block")
 
 
 @SUP.case(

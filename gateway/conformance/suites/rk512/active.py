@@ -38,7 +38,7 @@ def command(t: LineTester, built: Callable[[bytes], bool] = is_command) -> bytes
     block = t.take()
     t.unanswered = b""  # by the case itself
     if not built(block.data):
-        raise NotApplicable(f"the station's block {block.data[:10].hex(' ').upper()} is no RK512 command")
+        raise NotApplicable(f"the station's block {block.data[:10].hex(' ').upper()} is not an RK512 command")
     return block.data
 
 
@@ -166,7 +166,7 @@ def _wrong(number: int, summary: str, german: str, wrong: Callable[[bytes], byte
             if said:
                 t.good(said, "a reaction telegram")
             else:
-                t.silence(t.setup.reaction_wait + t.tolerance, "a command whose reaction never comes")
+                t.silence(t.setup.reaction_wait + t.tolerance, "a command whose reaction never arrives")
             _quiet(t)
             _works(t, summary)
 
@@ -185,7 +185,7 @@ def _quiet(t: LineTester) -> None:
                 t.good(right_reaction(block.data), "the right reaction")
                 finish(t, block.data)
     if t.setup.stimulus_name != "periodic":
-        raise Fail(f"sends again more than {MOST_REPEATS} times", "an end", "STX (02h)")
+        raise Fail(f"repeats more than {MOST_REPEATS} times", "an end", "STX (02h)")
 
 
 def _works(t: LineTester, after: str) -> None:
@@ -212,7 +212,7 @@ for _number, (_summary, _german, _reaction) in enumerate(
         ("a reaction whose second byte is 01h", "eine Reaktion, deren zweites Byte 01h ist", lambda data: data[:1] + b"\x01" + data[2:]),
         ("a reaction of three bytes", "eine Reaktion aus drei Bytes", lambda data: data[:3]),
         ("a reaction with two bytes too many", "eine Reaktion mit zwei Bytes zu viel", lambda data: data + b"\0\0"),
-        ("a reaction with data too few", "eine Reaktion mit zu wenig Daten", lambda data: data[:-1] if len(data) > 4 else data[:3]),
+        ("a reaction with too little data", "eine Reaktion mit zu wenig Daten", lambda data: data[:-1] if len(data) > 4 else data[:3]),
         (
             "a command in place of the reaction",
             "ein Befehl statt der Reaktion",

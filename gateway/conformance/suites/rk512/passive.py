@@ -93,7 +93,7 @@ def many_words(t: LineTester) -> None:
         found = ask(t, fetch(t.setup.db, 0, 16))
         if found.number or len(found.data) != 32:
             raise Fail(
-                f"FETCH of 16 words, whose header holds 10h (doubled on the line): {found.words()}", "00h and 32 bytes", found.words()
+                f"FETCH of 16 words, whose header contains 10h (doubled on the line): {found.words()}", "00h and 32 bytes", found.words()
             )
     words = min(64, t.setup.words)
     found = ask(t, fetch(t.setup.db, 0, words))
@@ -144,7 +144,7 @@ def compared(got: bytes, wanted: bytes, what: str) -> None:
         why = ": the bytes of each word are exchanged"
     elif got == wanted[::-1]:
         why = ": in reverse order"
-    raise Fail(f"{what} reads back otherwise{why}", wanted[:64].hex(" ").upper(), got[:64].hex(" ").upper())
+    raise Fail(f"{what} reads back differently{why}", wanted[:64].hex(" ").upper(), got[:64].hex(" ").upper())
 
 
 @PAS.case(
@@ -305,7 +305,7 @@ def _type(number: int, kind: int) -> None:
 def _number_of_type(t: LineTester, case: str, what: str, found: Reaction) -> None:
     number, size, words = found.number, len(found.data), found.words()
     if size:
-        raise Fail(f"{size} data bytes behind error {number:02X}h", "4 bytes", words)
+        raise Fail(f"{size} data bytes after error {number:02X}h", "4 bytes", words)
     if t.setup.pics.get(f"type_{what}") is True:
         raise Fail(f"type {what} is refused with {number_words(number)} although the PICS lists it as served", "00h: no error", words)
     if number not in (0x0A, 0x0C, 0x10, 0x12, 0x14) and not _own_number(t, "type", number):

@@ -82,7 +82,7 @@ def _may_be_silent(number: int) -> Iterator[None]:
 
 def _missing(t: LineTester) -> int:
     if ask(t, fetch(t.setup.missing, 0, 1)).number == 0:
-        raise NotApplicable(f"DB{t.setup.missing} is there; missing_db in [link] names one that is not")
+        raise NotApplicable(f"DB{t.setup.missing} exists; missing_db in [link] names one that does not")
     return t.setup.missing
 
 
@@ -105,7 +105,7 @@ _ROWS: tuple[tuple[str, str, str, Callable[[LineTester], bytes], int, tuple[int,
     ),
     (
         "behind_the_end",
-        "words behind the end of the block",
+        "words beyond the end of the block",
         "Wörter hinter dem Ende des Bausteins",
         lambda t: fetch(t.setup.db, (t.setup.size or 256) - 1, 2),
         0x14,
@@ -113,7 +113,7 @@ _ROWS: tuple[tuple[str, str, str, Callable[[LineTester], bytes], int, tuple[int,
     ),
     (
         "wrong_command",
-        "byte 3 is none of A, O, E",
+        "byte 3 is not one of A, O, E",
         "Byte 3 ist weder A noch O noch E",
         lambda t: header(0x51, DB, t.setup.db, 0, 1),
         0x16,
@@ -139,7 +139,7 @@ _ROWS: tuple[tuple[str, str, str, Callable[[LineTester], bytes], int, tuple[int,
     ("short_header", "a header of nine bytes", "ein Kopf von neun Bytes", lambda t: fetch(t.setup.db, 0, 1)[:9], 0x34, (0x10,)),
     (
         "data_behind_fetch",
-        "FETCH with data behind the header",
+        "FETCH with data after the header",
         "FETCH mit Daten hinter dem Kopf",
         lambda t: fetch(t.setup.db, 0, 1) + b"\0\0",
         0x34,
@@ -201,7 +201,7 @@ for _row in (
 
 @PAS.case(
     "BI_16",
-    "SEND behind the end of the block is refused and writes nothing",
+    "SEND beyond the end of the block is refused and writes nothing",
     "SEND hinter das Ende wird abgelehnt und schreibt nichts",
     condition=WRITE,
     preamble=(BASIC, WRITES),
@@ -426,4 +426,4 @@ def unacknowledged(t: LineTester) -> None:
     try:
         read(t, t.setup.db, 0, 1)
     except Inconclusive as ended:
-        raise Fail(f"after a reaction that was given up: {ended.reason}", ended.expected, ended.got) from ended
+        raise Fail(f"after a reaction that was abandoned: {ended.reason}", ended.expected, ended.got) from ended

@@ -302,7 +302,7 @@ def locks(t: LineTester) -> None:
     if found.number != LOCKED:
         raise Fail(f"flag 6.4 was set by the job before: {found.words()}", number_words(LOCKED), found.words())
     if found.data:
-        raise Fail(f"{len(found.data)} data bytes behind 32h", "4 bytes", found.words())
+        raise Fail(f"{len(found.data)} data bytes after 32h", "4 bytes", found.words())
 
 
 @PAS.case(

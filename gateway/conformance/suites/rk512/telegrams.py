@@ -124,7 +124,7 @@ def reaction(t: LineTester, judge_link: bool = True) -> Reaction:
         foreign.append(block.data)
     said = "; ".join(block[:12].hex(" ").upper() for block in foreign) or "nothing"
     raise NoReaction(
-        f"no reaction telegram within {t.setup.reaction_wait / 1e9:.1f} s; the station said: {said}",
+        f"no reaction telegram within {t.setup.reaction_wait / 1e9:.1f} s; the station reported: {said}",
         "a reaction: 00 or FF, 00 00, error number",
         said,
     )
@@ -208,7 +208,7 @@ def refused(t: LineTester, case: str, name: str, telegram: bytes, number: int, o
     if found.number == 0:
         raise Fail(f"executed, expected refusal with {wanted}", wanted, found.words())
     if found.data:
-        raise Fail(f"{len(found.data)} data bytes behind error {found.number:02X}h, none may follow", "4 bytes", found.words())
+        raise Fail(f"{len(found.data)} data bytes after error {found.number:02X}h, none may follow", "4 bytes", found.words())
     if found.number in (number, own):
         return
     if found.number in others:

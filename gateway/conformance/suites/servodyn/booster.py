@@ -66,7 +66,7 @@ class BoosterTester(CanTester):
         try:
             return self.setup.codec.decode_actual(frame)[1]
         except DecodeError as error:
-            raise Fail(f"an actual value that cannot be: {error}", "8 bytes as in the layout", hexed(frame.data)) from error
+            raise Fail(f"an impossible actual value: {error}", "8 bytes as in the layout", hexed(frame.data)) from error
 
     def sync(self) -> None:
         """On the grid, one cycle after the one before."""
@@ -181,7 +181,7 @@ class BoosterTester(CanTester):
         try:
             answer = decode_answer(got)[1]
         except DecodeError as error:
-            raise Fail(f"an answer that cannot be: {error}", "8 bytes: number, status, sequence, value", shown(got)) from error
+            raise Fail(f"an impossible answer: {error}", "8 bytes: number, status, sequence, value", shown(got)) from error
         if (answer.number, answer.sequence) != (number, self._sequence):
             wanted = f"number {number}, sequence {self._sequence}"
             raise Fail(f"another request is answered: number {answer.number}, sequence {answer.sequence}", wanted, shown(got))

@@ -88,7 +88,7 @@ def short(t: BoosterTester) -> None:
         t.sync()
         found = t.answered()
         if found.power_on or found.fault:
-            raise Fail("a set value of seven bytes is taken", "no power, no fault", words(found))
+            raise Fail("a set value of seven bytes is accepted", "no power, no fault", words(found))
         t.say_on(frame.identifier, frame.data[:7])
 
 
@@ -100,7 +100,7 @@ def foreign(t: BoosterTester) -> None:
         t.sync()
         found = t.answered()
         if found.power_on or found.fault:
-            raise Fail("a set value of another module is taken", "no power, no fault", words(found))
+            raise Fail("a set value of another module is accepted", "no power, no fault", words(found))
         t.say_set()
         for axis in others[:1]:
             frame = t.setup.codec.encode_set(axis, t.value._replace(drive_on=True))

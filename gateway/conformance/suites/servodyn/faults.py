@@ -151,7 +151,7 @@ def held(t: BoosterTester) -> None:
         t.stays(lambda actual: not actual.power_on, "no power, drive on held", ms(2000))
 
 
-@FLT.case("BO_01", "one missing SYNC is no fault", "ein einzelner fehlender SYNC ist kein Fehler")
+@FLT.case("BO_01", "one missing SYNC is not a fault", "ein einzelner fehlender SYNC ist kein Fehler")
 def one_missing(t: BoosterTester) -> None:
     with t.powered():
         for _ in range(5):
@@ -163,7 +163,7 @@ def one_missing(t: BoosterTester) -> None:
                 raise Fail("one missing SYNC is treated as a loss", "no fault", words(found))
 
 
-@FLT.case("BO_02", "one missing set value is no fault", "ein einzelner fehlender Sollwert ist kein Fehler")
+@FLT.case("BO_02", "one missing set value is not a fault", "ein einzelner fehlender Sollwert ist kein Fehler")
 def one_set_missing(t: BoosterTester) -> None:
     with t.powered():
         for _ in range(5):
@@ -174,7 +174,9 @@ def one_set_missing(t: BoosterTester) -> None:
                 raise Fail("one missing set value is treated as a loss", "no fault", words(found))
 
 
-@FLT.case("BO_03", "without power a lost SYNC is no fault", "ohne Leistung ist ein ausgebliebener SYNC kein Fehler", preamble=(BASIC, REST))
+@FLT.case(
+    "BO_03", "without power a lost SYNC is not a fault", "ohne Leistung ist ein ausgebliebener SYNC kein Fehler", preamble=(BASIC, REST)
+)
 def idle_sync(t: BoosterTester) -> None:
     t.rest()
     found = lose_sync(t)

@@ -104,7 +104,7 @@ def waits(t: BoosterTester) -> None:
         t.turn(20)
         if abs(found.position_inc - start) > NEAR:
             raise Fail(
-                f"it is at {found.position_inc} already at the SYNC with which the set value begins to count",
+                f"it is at {found.position_inc} already at the SYNC with which the set value takes effect",
                 f"{start}, within {NEAR}",
                 words(found),
             )

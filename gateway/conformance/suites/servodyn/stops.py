@@ -74,7 +74,9 @@ def quick_stop(t: BoosterTester) -> None:
                 raise Fail("no actual value at the fault", "one with the fault bit, without SYNC", "nothing")
         reported = found[0][1]
         if reported.position_inc != last:
-            raise Fail(f"the actual value of the fault holds {reported.position_inc}", f"{last}, latched at the last SYNC", words(reported))
+            raise Fail(
+                f"the actual value of the fault contains {reported.position_inc}", f"{last}, latched at the last SYNC", words(reported)
+            )
         if not reported.brake_open:
             raise Fail("the brake closes while it moves", "brake open until standstill", words(reported))
         t.drain()
@@ -111,7 +113,7 @@ _stop(
 
 @PWR.case(
     "BV_08",
-    "drive on and enable set together: power, then control; enable is no edge",
+    "drive on and enable set together: power, then control; enable is not an edge",
     "Antrieb Ein und Freigabe zugleich: Leistung, dann Regelung; die Freigabe ist keine Flanke",
     preamble=(BASIC, REST, ON, CONTROL),
     beside=Particulars(limits="within 8 s"),
@@ -127,7 +129,7 @@ def together(t: BoosterTester) -> None:
 # ---- life counter and set values
 @FLT.case(
     "BO_04",
-    "a life counter that is once unchanged is no fault",
+    "a life counter that is once unchanged is not a fault",
     "ein Lebenszähler, der einmal steht, ist kein Fehler",
     condition=("life",),
 )

@@ -11,7 +11,7 @@ from protocols.base.machine import Frame
 def no_cycle(frames: Sequence[Frame]) -> str:
     """Why nothing in it counts as cyclic."""
     if not frames:
-        return "the recording holds no data frame"
+        return "the recording contains no data frame"
     counts = Counter(frame.identifier for frame in frames if frame.data)
     if not counts:
         return f"{len(frames)} frames, all of them without data: set values and actual values are missing"
@@ -45,14 +45,14 @@ def _no_position(found: Inferred) -> str:
     if still == count:
         return f"none of the {count} cyclic messages ever changes: nothing was switched or moved"
     return (
-        f"none of the {count} cyclic messages ({still} never change) holds a number that moves as a position does: "
+        f"none of the {count} cyclic messages ({still} never change) contains a number that moves as a position does: "
         "record moves of every axis, longer than a motor turn, with a rest before and after"
     )
 
 
 def _no_follower(positions: Sequence[int]) -> str:
     if len(positions) == 1:
-        return f"only identifier {positions[0]} holds a position: set values and actual values have to be in one recording"
+        return f"only identifier {positions[0]} contains a position: set values and actual values must be in one recording"
     return (
         f"identifiers {_list(positions)} hold positions, but none follows another within a few cycles: set values or actual values are "
         "missing, or the axes did not move"

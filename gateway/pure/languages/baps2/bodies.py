@@ -252,12 +252,12 @@ class Bodies:
     def _jump(self, statement: Jump) -> None:
         number = self.function.numbers.get(statement.label)
         if number is None:
-            hint = hint_of(statement.label, self.function.labels) or "a jump stays in its program, subroutine or branch of PARALLEL"
-            self.names.once("label-missing", statement.label, statement.at, f"label {statement.label} is not there", hint)
+            hint = hint_of(statement.label, self.function.labels) or "a jump must stay in its program, subroutine or branch of PARALLEL"
+            self.names.once("label-missing", statement.label, statement.at, f"label {statement.label} does not exist", hint)
             return
         path = self.function.labels[statement.label]
         if path != tuple(self.function.path[: len(path)]):
-            self.names.faults.error("jump-into", statement.at, f"label {statement.label} is inside of a loop, a choice or an EXCLUSIVE")
+            self.names.faults.error("jump-into", statement.at, f"label {statement.label} is inside a loop, a choice or an EXCLUSIVE")
         for key, semaphore in reversed(self.function.exclusives):
             if key not in path:
                 self.out.add(f"yield Leave({semaphore})")
@@ -310,7 +310,7 @@ class Bodies:
         if found.type is NONE or kind is NONE:
             return "None"
         if found.constant is None:
-            self.names.faults.error("no-constant", tree.at, "a constant is expected behind EQUAL")
+            self.names.faults.error("no-constant", tree.at, "a constant is expected after EQUAL")
         elif not fits(kind, found.type, found.constant) or found.type.base == "REAL":
             self.names.faults.error("type", tree.at, f"{found.type} does not fit {kind}")
         elif found.constant in seen:
@@ -368,9 +368,7 @@ class Bodies:
         self.function.path.append(id(statement))
         self.function.exclusives.append((id(statement), key))
         if (line := self._by_main.get(key)) is not None:
-            text = (
-                f"this branch waits for {statement.semaphore} for ever: the program holds it from line {line} until its branches are over"
-            )
+            text = f"this branch waits for {statement.semaphore} forever: the program holds it from line {line} until its branches are over"
             self.names.faults.warning("semaphore-held", statement.at, text)
         self._parts.append((key, statement.at.line))
         self.several(statement.body)

@@ -19,7 +19,7 @@ def call(bodies: Writer, statement: CallStatement) -> None:
             _procedure(bodies, statement)
         else:
             text = f"{statement.name} is not a subroutine"
-            bodies.names.unknown(statement.name, statement.at, text, "declare it, or write a colon behind a label")
+            bodies.names.unknown(statement.name, statement.at, text, "declare it, or write a colon after a label")
         return
     if statement.behind is not None:
         faults.error("syntax", statement.behind[0], f"a statement is expected, not {statement.behind[1]}")

@@ -139,7 +139,7 @@ class DeclarationReader:
 
     def _one(self) -> list[Declaration]:
         if self._stream.word("CONST"):
-            if not self._colon("behind CONST"):
+            if not self._colon("after CONST"):
                 return [_misread(self._declare(each, None)) for each in self._stream.commented()]
             return list(self._constants())
         if self._stream.word("EXTERNAL"):
@@ -152,7 +152,7 @@ class DeclarationReader:
 
     def _listed_of(self, kind: TypeName, public: bool, teach: bool) -> list[Declaration]:
         """Return the names after a type."""
-        if not self._colon("behind the type"):
+        if not self._colon("after the type"):
             commented = [self._declare(token, kind) for token in self._stream.commented()]
             channels = kind.base in ("INPUT", "OUTPUT", "BELT")
             return [_misread(each) if channels else Declared(each.position, each.key, kind, None, public, teach) for each in commented]
@@ -200,7 +200,7 @@ class DeclarationReader:
         return TypeName(token.position, word, kinematic, element=element)
 
     def _array(self, at: Position) -> TypeName:
-        self._stream.expect_sign("[", "behind ARRAY")
+        self._stream.expect_sign("[", "after ARRAY")
         low: Expression = Faulty(at)
         high: Expression = Faulty(at)
         depth = self._stream.depth
@@ -213,7 +213,7 @@ class DeclarationReader:
             if not self._stream.passed_to_sign("]"):
                 raise
         if not self._stream.sign("]"):
-            self._stream.missing("']'", "behind the bounds")
+            self._stream.missing("']'", "after the bounds")
             if not self._stream.is_word(TYPES):
                 raise Misread
         kind = self.type_name()
@@ -240,14 +240,14 @@ class DeclarationReader:
         listed = behind.text == "," or behind.word in STARTERS or behind.word in ("BEGIN", "START") or behind.kind is Kind.END
         other = token.word or token.key in self._head.kinematics or behind.text in (":", "[", "(", "=", ".")
         if self._stream.is_sign(".") and behind.kind is Kind.NAME:
-            self._stream.missing("','", f"behind {before.text}")
+            self._stream.missing("','", f"after {before.text}")
             self._stream.take()
             return True
         if token.kind is not Kind.NAME or other:
             return False
         if not listed and token.position.line != before.position.line:
             return False
-        self._stream.missing("','", f"behind {before.text}")
+        self._stream.missing("','", f"after {before.text}")
         return True
 
     def _begins_next(self) -> bool:
@@ -271,7 +271,7 @@ class DeclarationReader:
         found = []
         while True:
             token = self._declare(self._stream.name("the name of a constant"), None)
-            self._equal("behind the name of a constant")
+            self._equal("after the name of a constant")
             found.append(Constant(token.position, token.key, self._expressions.alone()))
             comma = self._stream.comma()
             if self._stream.token.kind is not Kind.NAME or self._stream.ahead().text != "=" or (not comma and self._begins()):
@@ -286,11 +286,11 @@ class DeclarationReader:
                 channel: Expression | None = None
             else:
                 channel = self._expressions.sum()
-            self._equal("behind the channel")
+            self._equal("after the channel")
             token = self._declare(self._stream.name("the name of the channel"), kind)
             found.append(_misread(token) if channel is None else Declared(token.position, token.key, kind, channel))
             if not self._stream.comma() and self._stream.is_sign(".") and self._stream.ahead().kind is Kind.NUMBER:
-                self._stream.missing("','", f"behind {token.text}")
+                self._stream.missing("','", f"after {token.text}")
                 self._stream.take()
             number = self._stream.token.kind is Kind.NUMBER or self._stream.is_sign("=")
             constant = self._expressions.names_it(self._stream.token) and self._stream.ahead().text == "="
@@ -311,7 +311,7 @@ class DeclarationReader:
     def _external(self) -> External:
         at = self._stream.token.position
         program = "" if self._stream.is_sign(":") else self._stream.name("the name of a program").key
-        self._stream.expect_sign(":", "behind EXTERNAL")
+        self._stream.expect_sign(":", "after EXTERNAL")
         tokens = self._names(None) if program else self._programs()
         return External(at, program, tuple((token.key, token.position) for token in tokens))
 
@@ -323,11 +323,11 @@ class DeclarationReader:
         return found
 
     def _special_function(self) -> SpecialFunction:
-        self._stream.expect_sign(":", "behind SPC_FCT")
+        self._stream.expect_sign(":", "after SPC_FCT")
         at = self._stream.token.position
         number: Expression = self._expressions.sum() if self._stream.token.kind is not Kind.NUMBER else self._number()
         if not self._stream.sign("="):
-            self._stream.faults.error("syntax", self._stream.gap, f"'=' is expected behind the number, not {self._stream.token}")
+            self._stream.faults.error("syntax", self._stream.gap, f"'=' is expected after the number, not {self._stream.token}")
             self._stream.sign(":")  # as it is printed once (D-63)
         name = self._declare(self._stream.name("the name of the special function"), None)
         return SpecialFunction(at, number, name.key, self.parameters())
@@ -362,21 +362,21 @@ class DeclarationReader:
         while not self._stream.sign(")"):
             by_value = self._by_value()
             kind = self._parameter_type()
-            self._colon("behind the type of a parameter")
+            self._colon("after the type of a parameter")
             while True:
                 token = self._stream.name("the name of a parameter")
                 found.append(Parameter(token.position, token.key, kind, by_value))
                 if not (self._stream.sign(",") or self._no_comma_here(token)) or self._group():
                     break
             if not (self._group() or self._stream.is_sign(")")):
-                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}", at=self._stream.gap)
+                self._stream.wrong(f"')' is expected after the parameters, not {self._stream.token}", at=self._stream.gap)
 
     def _no_comma_here(self, before: Token) -> bool:
         """Whether another parameter of the group follows without its comma; it is reported."""
         token = self._stream.token
         if token.kind is not Kind.NAME or token.word or self._group() or self._stream.ahead().text not in (",", ")"):
             return False
-        self._stream.missing("','", f"behind {before.text}")
+        self._stream.missing("','", f"after {before.text}")
         return True
 
     def _by_value(self) -> bool:

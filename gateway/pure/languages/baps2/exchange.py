@@ -88,7 +88,7 @@ def write(bodies: Writer, statement: Write) -> None:
             bodies.names.faults.error("type", tree.at, f"{kind} cannot be written")
         _, count = _form(bodies, kind)
         if kind.base == "CHAR" and count > MOST_LETTERS:
-            bodies.names.faults.error("array-size", tree.at, f"{count} characters; a WRITE takes {MOST_LETTERS}")
+            bodies.names.faults.error("array-size", tree.at, f"{count} characters; a WRITE accepts {MOST_LETTERS}")
         base = "REAL" if kind.base == "INTEGER" and symbol is not None and symbol.type.element == "REAL" else kind.base
         _fits_file(bodies, symbol, replace(kind, base=base), tree)
         items.append(f"({base!r}, {_written(value)}),")

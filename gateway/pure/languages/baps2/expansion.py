@@ -47,7 +47,7 @@ class _Expansion:
         text = self._store.text(file)
         if not name or text is None:
             if file not in self._absent:
-                self._faults.error("include-missing", at, f"file {file} is not there" if name else "INCLUDE names no file")
+                self._faults.error("include-missing", at, f"file {file} does not exist" if name else "INCLUDE names no file")
             self._absent.add(file)
         elif source.includes_itself(file):
             self._faults.error("include-loop", at, f"{file} includes itself")

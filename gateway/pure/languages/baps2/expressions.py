@@ -159,7 +159,7 @@ class ExpressionReader:
         values = [self._within(self.read, lines=True)]
         while self._stream.sign(","):
             values.append(self._within(self.read, lines=True))
-        self._stream.expect_sign(")", "behind the values")
+        self._stream.expect_sign(")", "after the values")
         return tuple(values)
 
     def _with_comma(self, token: Token) -> str:
@@ -188,7 +188,7 @@ class ExpressionReader:
             elif token.text == "[":
                 self._stream.take()
                 value = Index(token.position, value, self._within(self.read, lines=True))
-                self._stream.expect_sign("]", "behind the index")
+                self._stream.expect_sign("]", "after the index")
             else:
                 return value
 

@@ -53,7 +53,7 @@ def take(text: str, at: Position, head: Head, faults: Faults, *, begun: bool) ->
         case "PROCESS_KIND":
             head.permanent = value.upper() in ("PERMANENT", "PERM")
             if not head.permanent:
-                faults.error("process-kind", at, f"process kind {value or 'without a name'}", "PERMANENT is the only one")
+                faults.error("process-kind", at, f"process kind {value or 'without a name'}", "only PERMANENT is allowed")
         case "FILE_ERROR":
             head.file_error = _once(word, value, at, head, faults, begun)
         case "SER_IO_STOP":
@@ -105,7 +105,7 @@ def _kinematics(value: str, at: Position, head: Head, faults: Faults) -> None:
         head.faulty.add("KINEMATICS")
     for number, name in pairs:
         if not 1 <= int(number) <= MOST_KINEMATICS:
-            faults.error("kinematics", at, f"kinematic number {number}", f"1..{MOST_KINEMATICS} are there")
+            faults.error("kinematics", at, f"kinematic number {number}", f"1..{MOST_KINEMATICS} are allowed")
         elif int(number) in head.kinematics.values() or name.upper() in head.kinematics:
             faults.error("declared-twice", at, f"kinematic {number} = {name} is declared twice")
         else:

@@ -84,7 +84,7 @@ def _runs_on(found: str, match: re.Match[str], behind: re.Match[str], position: 
     if behind[0].startswith("."):
         faults.error("no-token", position, f"'{found}{behind[0]}' is not a number")
         return found.partition(".")[0] or "0", behind  # an integer fits everywhere
-    faults.error("number-runs-into-word", position, f"'{found}' runs into the word behind it", "put a blank between them")
+    faults.error("number-runs-into-word", position, f"'{found}' runs into the next word", "put a blank between them")
     return found, match
 
 
@@ -182,7 +182,7 @@ def _unknown(text: str, at: int, position: Position, words: Words, faults: Fault
     end = at + 1
     while end < len(text) and not text[end].isspace() and _PATTERN.match(text, end) is None:
         end += 1
-    faults.error("no-token", position, f"'{text[at:end]}' means nothing here")
+    faults.error("no-token", position, f"'{text[at:end]}' has no meaning here")
     return end - at, None
 
 
@@ -190,7 +190,7 @@ def _meant(found: str, position: Position, words: Words, faults: Faults) -> Toke
     """A sign of another language, read as it was meant; None: a comment."""
     if found not in _MEANT:
         begin = found[:2] if found[0] == "/" else found[0]
-        faults.error("no-token", position, f"{begin} begins no comment", "a semicolon begins a comment")
+        faults.error("no-token", position, f"{begin} does not begin a comment", "a semicolon begins a comment")
         return None
     sign = _MEANT[found]
     faults.error("no-token", position, f"'{found}' is not a sign", f"write {sign}")

@@ -159,7 +159,7 @@ class Library:
         faults = Faults()
         if self._store.text(f"{name}.IRD") is not None:
             place = SourceFile(f"{name}.IRD", "").at(1)
-            faults.error("no-source", place, f"{name}.IRD is a translation; axisgate runs sources", f"put {name}.QLL beside it")
+            faults.error("no-source", place, f"{name}.IRD is a translation; axisgate runs sources", f"put {name}.QLL into its folder")
         return faults
 
     def forget(self, name: str) -> None:

@@ -127,8 +127,8 @@ class Missing:
 
     def _then(self, at: Position) -> If:
         self._stream.take()
-        then = self._reads.required("behind THEN")
-        return If(at, Faulty(at), then, self._reads.required("behind ELSE") if self._stream.word("ELSE") else None)
+        then = self._reads.required("after THEN")
+        return If(at, Faulty(at), then, self._reads.required("after ELSE") if self._stream.word("ELSE") else None)
 
     # ---- words inside of a statement
 

@@ -180,7 +180,7 @@ class Mistakes:
         ):
             return False
         self._stream.faults.error(
-            "name-unknown", token.position, f"{token.text} is not a subroutine", "declare it, or write a colon behind a label"
+            "name-unknown", token.position, f"{token.text} is not a subroutine", "declare it, or write a colon after a label"
         )
         return True
 
@@ -228,7 +228,7 @@ class Mistakes:
             return ""
         self._stream.take()
         what = "device" if device else "file"
-        self._stream.faults.error("syntax", following.position, f"',' is expected behind the {what}, not {following}")
+        self._stream.faults.error("syntax", following.position, f"',' is expected after the {what}, not {following}")
         return token.key
 
     def operand(self, name: Token) -> bool:
@@ -279,9 +279,9 @@ class Mistakes:
             return
         token, at = self._stream.token, self._stream.token.position if self._stream.slip(("THEN",)) else self._stream.gap
         if not self.starts() and not self._goes_on(("THEN",)):
-            self._stream.missing("THEN", "behind the condition")
+            self._stream.missing("THEN", "after the condition")
             raise Misread
-        self._stream.faults.error("syntax", at, f"THEN is expected behind the condition, not {token}")
+        self._stream.faults.error("syntax", at, f"THEN is expected after the condition, not {token}")
         if self._stream.token.word == "THEN" or self._stream.slip(("THEN",)):
             self._stream.take()
 

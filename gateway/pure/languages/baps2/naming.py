@@ -70,7 +70,7 @@ class Naming:
                 self.fault("bounds", written.at, "the bounds of an array are INTEGER constants")
             return NONE
         if not 0 <= high - low < MOST_ELEMENTS:
-            self.fault("bounds", written.at, f"{low}..{high}: the bounds of an array rise, to {MOST_ELEMENTS} elements at most")
+            self.fault("bounds", written.at, f"{low}..{high}: the bounds of an array must rise, with at most {MOST_ELEMENTS} elements")
             return NONE
         return Type(kind.base, written.kinematic, low, high)
 
@@ -129,14 +129,16 @@ class Naming:
         if level:
             self.fault("public-place", each.at, "EXTERNAL data belong in the declarations of the main program only")
         if self._imported not in ("", each.program):
-            self.fault("import-two", each.at, f"data of {self._imported} are imported already; only one program may be imported from")
+            self.fault("import-two", each.at, f"data of {self._imported} are imported already; data may be imported from one program only")
         self._imported = each.program
         if self.publics:
             self._mixed(each.at)
         exporter = self._programs(each.program)
         if exporter is None and each.program not in self._gone:
             self._gone.add(each.program)
-            self.fault("import-missing", each.at, f"program {each.program} is not there", f"{each.program}.QLL belongs in the same folder")
+            self.fault(
+                "import-missing", each.at, f"program {each.program} does not exist", f"{each.program}.QLL belongs in the same folder"
+            )
         exports = {} if exporter is None else exports_of(exporter, self._programs)
         for name, at in each.names:
             found = exports.get(name)
@@ -174,8 +176,8 @@ class Naming:
         """Only a run finds it (1092): it may be loaded later."""
         if name in self._gone:
             return
-        hint = f"put {name}.QLL into the same folder; to start or to call it without ends the program with error 1092"
-        self._names.faults.warning("program-missing", at, f"program {name} is not there", hint)
+        hint = f"put {name}.QLL into the same folder; starting or calling it while it is missing ends the program with error 1092"
+        self._names.faults.warning("program-missing", at, f"program {name} does not exist", hint)
 
     def started(self, name: str, at: Position) -> None:
         """Check START of a program; a declared one was checked at its declaration."""

@@ -65,11 +65,11 @@ class OrderReader:
         bracket = self._stream.sign("(")  # READ_BEGIN (DATA), L2262
         file = self._called()
         if bracket:
-            self._stream.expect_sign(")", "behind the file")
+            self._stream.expect_sign(")", "after the file")
         offset = self._expressions.sum() if word in ("READ_BEGIN", "WRITE_BEGIN") and self._stream.sign(",") else None
         return FileOrder(at, word, file, offset)
 
     def _assign(self, at: Position) -> FileOrder:
         file = self._called()
-        self._stream.expect_sign(",", "behind the file")
+        self._stream.expect_sign(",", "after the file")
         return FileOrder(at, "ASSIGN", file, self._expressions.sum())

@@ -188,5 +188,5 @@ class _Reader:
                 self._faults.error("not-closed", token.position, f"{ENDS[word][0]} is expected for {word} of line {at.line}, not {token}")
                 self._stream.word("PROGRAM_END", "SUB_END")
                 return tuple(found)
-            self._faults.error("syntax", token.position, f"{token} ends nothing here")
+            self._faults.error("syntax", token.position, f"there is nothing for {token} to end here")
             self._stream.take()

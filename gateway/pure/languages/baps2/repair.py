@@ -184,7 +184,7 @@ def _closers(tokens: Sequence[Token], opened: Sequence[int], end: int) -> Iterat
         gaps.sort(key=lambda gap: (_early(tokens[gap - 1], tokens[gap], sign), gap))
         for gap in gaps[:MOST_GAPS]:
             before = tokens[gap - 1]
-            yield Repair(gap, Token.of(Kind.SIGN, sign, before.end), f"'{sign}' is missing behind {before}")
+            yield Repair(gap, Token.of(Kind.SIGN, sign, before.end), f"'{sign}' is missing after {before}")
 
 
 def _early(before: Token, behind: Token, sign: str) -> int:
@@ -234,7 +234,7 @@ def _named(place: int, name: str, tokens: Sequence[Token], hint: str = "") -> Re
     """A name that is missing there."""
     before, behind = tokens[place - 1 : place + 1]
     at = behind.position if behind.text == "=" else before.end
-    return Repair(place, Token.of(Kind.NAME, name, at), f"a name is expected behind {before}, not {behind}", hint)
+    return Repair(place, Token.of(Kind.NAME, name, at), f"a name is expected after {before}, not {behind}", hint)
 
 
 def _wanted(tokens: Sequence[Token], faults: Faults) -> list[Token]:

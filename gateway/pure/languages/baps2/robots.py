@@ -117,5 +117,5 @@ class CellRobot:
     def text(word: str, values: Sequence[float]) -> str:
         """Numbers of the text form."""
         if not all(math.isfinite(value) for value in values):
-            raise fault(205, "a component is no number")
+            raise fault(205, "a component is not a number")
         return f"{word} {' '.join(f'{value:.10g}' for value in values)}"

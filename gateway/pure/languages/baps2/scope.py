@@ -74,7 +74,7 @@ class Names:
             return
         line = self.head.commented.get(name)
         if line is not None:
-            hint = f"line {line} has it in a comment behind a semicolon"
+            hint = f"line {line} has it in a comment after a semicolon"
         self.once("name-unknown", name, at, text, hint_of(name, {*STANDARD_NAMES, *chain(*self.scopes)}) or hint)
 
     def once(self, id: str, name: str, at: Position, text: str, hint: str = "") -> None:

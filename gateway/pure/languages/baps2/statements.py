@@ -203,7 +203,7 @@ class StatementReader:
     def _set(self) -> Statement:
         at = self._stream.token.position
         target = self._expressions.sum()
-        self._mistakes.assigned("behind what is assigned to")
+        self._mistakes.assigned("after the assigned variable")
         found = Set(at, target, self._expressions.alone())
         return self._missing.of_condition(at) or found
 
@@ -227,7 +227,7 @@ class StatementReader:
         while not self._stream.sign(")"):
             found.append(self._expressions.read())
             if not self._stream.comma() and not self._stream.is_sign(")"):
-                self._stream.wrong(f"')' is expected behind the parameters, not {self._stream.token}", at=self._stream.gap)
+                self._stream.wrong(f"')' is expected after the parameters, not {self._stream.token}", at=self._stream.gap)
         return tuple(found)
 
     # ---- motion
@@ -239,10 +239,10 @@ class StatementReader:
         until_time: Expression | None = None
         otherwise: Statement | None = None
         while True:
-            self._mistakes.misspelt_part(IN_MOVE if until is None else BEHIND_UNTIL, "behind MOVE")
+            self._mistakes.misspelt_part(IN_MOVE if until is None else BEHIND_UNTIL, "after MOVE")
             lacking = self._missing.in_move(until is not None)
             if lacking == "ERROR":
-                otherwise = self.required("behind ERROR")
+                otherwise = self.required("after ERROR")
             elif lacking == "UNTIL":
                 until = self._expressions.condition()
             elif lacking or self._stream.word("WITH"):
@@ -256,10 +256,10 @@ class StatementReader:
             elif self._stream.word("UNTIL"):
                 until = self._expressions.condition()
             elif self._stream.word("MAX_TIME"):
-                self._stream.expect_sign("=", "behind MAX_TIME")
+                self._stream.expect_sign("=", "after MAX_TIME")
                 until_time = self._expressions.sum()
             elif until is not None and self._stream.word("ERROR"):
-                otherwise = self.required("behind ERROR")
+                otherwise = self.required("after ERROR")
             else:
                 return Move(at, relative, kinematic, way, tuple(factors), until, until_time, otherwise, self._legs())
 
@@ -268,7 +268,7 @@ class StatementReader:
         while True:
             try:
                 token = self._stream.name("the name of a speed, an acceleration or a factor")
-                self._stream.expect_sign("=", f"behind WITH {token.text}")
+                self._stream.expect_sign("=", f"after WITH {token.text}")
                 found.append((GERMAN.get(token.key, token.key), self._expressions.alone()))
             except Misread:
                 if not self._mistakes.passed_to(BEHIND_KINEMATIC):
@@ -309,7 +309,7 @@ class StatementReader:
     # ---- flow
 
     def _wait(self, at: Position) -> Statement:
-        self._mistakes.misspelt_part(("UNTIL",), "behind WAIT")
+        self._mistakes.misspelt_part(("UNTIL",), "after WAIT")
         max_time: Expression | None = None
         otherwise: Statement | None = None
         if self._stream.word("UNTIL"):
@@ -318,13 +318,13 @@ class StatementReader:
             first, condition = self._stream.token, self._expressions.alone()
             if not self._missing.until(condition, first):
                 return Wait(at, condition)
-        self._mistakes.misspelt_part(("MAX_TIME", "ERROR"), "behind the condition")
+        self._mistakes.misspelt_part(("MAX_TIME", "ERROR"), "after the condition")
         if self._stream.word("MAX_TIME"):
-            self._stream.expect_sign("=", "behind MAX_TIME")
+            self._stream.expect_sign("=", "after MAX_TIME")
             max_time = self._expressions.alone()
-            self._mistakes.misspelt_part(("ERROR",), "behind MAX_TIME")
+            self._mistakes.misspelt_part(("ERROR",), "after MAX_TIME")
         if self._stream.word("ERROR"):
-            otherwise = self.required("behind ERROR")
+            otherwise = self.required("after ERROR")
         return WaitUntil(at, condition, max_time, otherwise)
 
     def _if(self, at: Position) -> If:
@@ -333,11 +333,11 @@ class StatementReader:
             condition = Faulty(at)
         self._mistakes.then()
         self._missing.open.append(("ELSE",))
-        then = self.required("behind THEN")
+        then = self.required("after THEN")
         self._missing.open.pop()
         self._mistakes.misspelt(("ELSE",))
         otherwise = self._mistakes.else_if() or self._stream.word("ELSE")
-        return If(at, condition, then, self.required("behind ELSE") if otherwise else None)
+        return If(at, condition, then, self.required("after ELSE") if otherwise else None)
 
     def _block(self, at: Position) -> Block:
         body = self.body(("END",))
@@ -361,10 +361,10 @@ class StatementReader:
                 choices.append(self._choice())
         if not choices:
             self._missing.open.pop()
-            self._stream.wrong(f"EQUAL and its constants are expected behind the expression, not {self._stream.token}")
+            self._stream.wrong(f"EQUAL and its constants are expected after the expression, not {self._stream.token}")
         if self._stream.word("DEFAULT", "ELSE"):  # German SONST
             self._stream.sign(":")
-            otherwise = self.required("behind DEFAULT")
+            otherwise = self.required("after DEFAULT")
             self._mistakes.misspelt(("CASE_END",))
             self._missing.of_choice()
         self._missing.open.pop()
@@ -380,8 +380,8 @@ class StatementReader:
         place = self._stream.token.position
         self._stream.word("EQUAL")
         values = self._mistakes.constants()
-        empty = not self._mistakes.colon("behind the constants") and self._stream.is_word(IN_CASE)
-        return Choice(place, tuple(values), Block(place, ()) if empty else self.required("behind the constants"))
+        empty = not self._mistakes.colon("after the constants") and self._stream.is_word(IN_CASE)
+        return Choice(place, tuple(values), Block(place, ()) if empty else self.required("after the constants"))
 
     def _several_of(self, choices: list[Choice]) -> bool:
         """Whether more statements follow in the last choice, which is reported."""
@@ -393,7 +393,7 @@ class StatementReader:
     def _repeat(self, at: Position) -> Repeat:
         times = self._mistakes.header()
         if not (isinstance(times, Faulty) and not self._stream.is_word(("TIMES",))):
-            self._stream.expect_word("TIMES", "behind the number of repetitions", goes_on=True)
+            self._stream.expect_word("TIMES", "after the number of repetitions", goes_on=True)
         body = self.body(("REPEAT_END",))
         self._close("REPEAT_END", "REPEAT", at)
         return Repeat(at, times, body)

@@ -19,7 +19,7 @@ def move(bodies: Writer, statement: Move) -> str:
     kinematic = statement.kinematic or typing.kinematic
     for name, value in statement.factors:
         if name not in standard.FACTORS:
-            bodies.names.faults.error("factor-unknown", statement.at, f"WITH {name}: no speed, acceleration or factor")
+            bodies.names.faults.error("factor-unknown", statement.at, f"WITH {name}: not a speed, acceleration or factor")
         typing.number(value, f"WITH {name}")
     until = _until(bodies, statement)
     met = bodies.new("m") if until else ""
@@ -55,7 +55,7 @@ def _until(bodies: Writer, statement: Move) -> str:
         return ""
     name = _input_of(statement.until)
     channel, symbol = _channel(bodies, name), bodies.names.find(name)
-    condition = _direct(bodies, statement.until, "the condition behind UNTIL")
+    condition = _direct(bodies, statement.until, "the condition after UNTIL")
     reported = bool(name) if symbol is None else symbol.misread
     if not channel and not reported:
         bodies.names.faults.error("until-condition", statement.until.at, "UNTIL of a MOVE takes one binary input, = or <>, and 0 or 1")
@@ -99,7 +99,7 @@ def _direct(bodies: Writer, tree: Expression, what: str) -> str:
 
 def wait(bodies: Writer, statement: WaitUntil) -> str:
     """WAIT UNTIL; the Python name of whether the condition held in time."""
-    condition = _direct(bodies, statement.condition, "the condition behind WAIT UNTIL")
+    condition = _direct(bodies, statement.condition, "the condition after WAIT UNTIL")
     limit = "None" if statement.max_time is None else bodies.typing.number(statement.max_time, "MAX_TIME").code
     symbol = bodies.names.find(_input_of(statement.condition))
     fast = symbol is not None and _is_fast(symbol) and statement.otherwise is None

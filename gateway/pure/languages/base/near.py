@@ -69,7 +69,7 @@ def _plain(text: str) -> str:
 
 
 def _allowed(wanted: str, word: str) -> int:
-    """How many slips two texts may differ by; another number in a name is no slip (WAIT1 is a name, PB20 not PB21)."""
+    """How many slips two texts may differ by; another number in a name is not a slip (WAIT1 is a name, PB20 not PB21)."""
     if [*filter(str.isdigit, wanted)] != [*filter(str.isdigit, word)] or len(wanted) < LEAST:
         return -1
     if max(len(wanted), len(word)) == LEAST:  # only letters that changed places

@@ -68,7 +68,7 @@ class CellPic:
         if program is not None:
             self._scan.load(program)
         else:
-            self._port.report(f"{self.name}.QLS", 0, "the program before goes on" if self._scan.loaded else "the PIC does not start")
+            self._port.report(f"{self.name}.QLS", 0, "the previous program continues" if self._scan.loaded else "the PIC does not start")
 
     def file_changed(self, name: str) -> None:
         """A file of the memory was replaced."""

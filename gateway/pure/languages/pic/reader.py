@@ -133,7 +133,7 @@ class Reader(TokenReader):
             shown = repr(token.text) if token.text else "the end"
             if self._is(words.ELSE) or self._is(words.END):
                 raise self._fail("statement", token.at, f"{shown} without {'IF' if self._is(words.ELSE) else 'BEGIN'}", words.SEVERAL)
-            raise self._fail("statement", token.at, f"{shown} begins no statement", "NAME = .., IF .. THEN .., JUMP NAME, NAME:")
+            raise self._fail("statement", token.at, f"{shown} does not begin a statement", "NAME = .., IF .. THEN .., JUMP NAME, NAME:")
         self._depth -= 1
 
     def _label(self, token: Token) -> None:
@@ -198,7 +198,7 @@ class Reader(TokenReader):
         line = self.token.at.line
         test = self._test()
         if not self._is(words.THEN):
-            self.faults.error("then", self._gap(), "THEN is expected behind the condition")
+            self.faults.error("then", self._gap(), "THEN is expected after the condition")
             if self.token.kind is not Kind.NAME or not nearest(self.token.word, words.THEN):
                 raise _Wrong
         self._take()
@@ -258,7 +258,7 @@ class Reader(TokenReader):
             self.faults.error("assign", self.token.at, "':=' is not a sign", "write =")
             self._take()
         if not self._sign("="):
-            raise self._fail("assign", self._gap(), f"= is expected behind {token.text}")
+            raise self._fail("assign", self._gap(), f"= is expected after {token.text}")
         self._take()
         if self._sign("=") and not self.token.first:
             self.faults.error("assign", self.token.at, "'==' is not a sign", "write =")
@@ -314,7 +314,7 @@ class Reader(TokenReader):
         """Reports an operand that is missing at the end of a line: an assignment begins the next one."""
         if self.token.first and self._ahead().text == "=" and not (compares and self._ahead(2).kind is Kind.NUMBER):
             before = self._ahead(-1)
-            raise self._fail("operand", before.end, f"a signal or an address is expected behind {before.text}, not a new line")
+            raise self._fail("operand", before.end, f"a signal or an address is expected after {before.text}, not a new line")
 
     def _misspelt_not(self) -> None:
         """Report and skip a misspelt NOT before an operand."""
@@ -379,7 +379,7 @@ class Reader(TokenReader):
         elif self._forgiven and not self._brackets:
             self._forgiven -= 1
         elif not self._brackets or self.commands[-1].code in words.OPENS.values():
-            raise self._fail("bracket", token.at, "this ) closes no bracket, or an empty one")
+            raise self._fail("bracket", token.at, "this ) does not close a bracket, or an empty one")
         else:
             self._brackets.pop()
             self._emit(Code.CLOSE, token.at.line)
@@ -388,7 +388,7 @@ class Reader(TokenReader):
         token = self._take()
         word, line = token.word, token.at.line
         if token.last and word in (*words.LINKS, *words.SETS) and (self._sign("=") or self.token.word in words.LIST):
-            raise self._fail("operand", token.end, f"a signal or an address is expected behind {token.text}, not a new line")
+            raise self._fail("operand", token.end, f"a signal or an address is expected after {token.text}, not a new line")
         if word in words.OPENS and self._sign("("):
             self._take()
             if len(self._brackets) >= DEEPEST:
@@ -413,7 +413,7 @@ class Reader(TokenReader):
             return
         shown = token.text if token.kind is Kind.BIT else "I88.0"
         raise self._fail(
-            "bracket-operand", token.at, f"an instruction is expected behind {word}(, not {token.text}", f"{word}( {word} {shown} )"
+            "bracket-operand", token.at, f"an instruction is expected after {word}(, not {token.text}", f"{word}( {word} {shown} )"
         )
 
     def _outside(self, at: Position) -> None:

@@ -66,7 +66,7 @@ def read_texts(text: str, faults: Faults, name: str = TEXT_PROGRAM) -> Mapping[i
         if isinstance(read, str):
             faults.error("text", where, read, 'a text line reads I 5, 0, "text"')
         elif read.number in found:
-            faults.error("two-texts", where, f"text {read.number} is there twice", "give each text a number of its own")
+            faults.error("two-texts", where, f"text {read.number} exists twice", "give each text a number of its own")
         else:
             found[read.number] = read
     return found
@@ -76,7 +76,7 @@ def _read_line(line: str) -> Text | str:
     """Return the text, or the fault."""
     match = TEXT_LINE.match(line)
     if match is None:
-        return f"{line[:60]!r} is no text line"
+        return f"{line[:60]!r} is not a text line"
     number, word, text = int(match[1]), match[2].upper(), match[3]
     reaction = int(word[:-1], 16) if word.endswith("H") else int(word)
     if number > 0x7FFFFFFF:
@@ -84,7 +84,7 @@ def _read_line(line: str) -> Text | str:
     if reaction & ~ONLY_WITH_DRIVES not in (NOTE, STOPS, DRIVES_OFF):
         return f"reaction {word}: 0, 3 or 7, with 256 (bit 8) added for 'only with drives on'"
     if len(text) > LONGEST:
-        return f"{len(text)} characters of text, {LONGEST} are the most"
+        return f"{len(text)} characters of text, at most {LONGEST}"
     if sum(found != "\\n" for found in PARAMETER.findall(text)) > PARAMETERS:
         return f"more than {PARAMETERS} parameters in the text"
     return Text(number, reaction & 15, bool(reaction & ONLY_WITH_DRIVES), text)

@@ -50,7 +50,7 @@ def _order(at: int, words: list[str], text: str) -> Order:
             return Order(at, "DRIVES", value=words.pop(0).upper() == "ON")
         case "STOP" | "ACK" | "POWER" as known:
             return Order(at, known)
-    raise OrderFault(f"{text!r}: {word} is none of E0.6=1, M20=5, EA2=4.5, START [PROGRAM], STOP, ACK, POWER, DRIVES ON, DRIVES OFF")
+    raise OrderFault(f"{text!r}: {word} is not one of E0.6=1, M20=5, EA2=4.5, START [PROGRAM], STOP, ACK, POWER, DRIVES ON, DRIVES OFF")
 
 
 def _assigned(at: int, match: re.Match[str], text: str) -> Order:

@@ -51,7 +51,7 @@ def body_of(lines: list[Line], name: str, faults: Faults) -> tuple[list[Line], L
         if line.text.split(";")[0].strip().upper() in ("END", "ENDE"):
             if rest := lines[at + 1 :]:
                 hint = hints("END is the last step", also_at(each.step for each in rest[1:]))
-                faults.error("after-end", Position(name, rest[0].line), f"{rest[0].text[:60]!r} behind END", hint)
+                faults.error("after-end", Position(name, rest[0].line), f"{rest[0].text[:60]!r} after END", hint)
             return lines[:at], line
     last = lines[-1].line if lines else 1
     faults.error("no-end", Position(name, last), "END is missing", "END is the last step of a program")

@@ -70,7 +70,7 @@ def step_of(text: str, line: int) -> Command | Wrong | None:
         return Command(OPENS[opened[1]], line)
     word = WORD.match(body)
     if word is None:
-        return Wrong(NO_COMMAND, f"{text.strip()[:60]!r} is no command of the integrated PLC")
+        return Wrong(NO_COMMAND, f"{text.strip()[:60]!r} is not a command of the integrated PLC")
     name = word[1] or word[2]
     return FAMILIES[name](name, body[word.end() :].strip(), line)
 
@@ -170,7 +170,7 @@ def constant(text: str) -> int | None:
 
 def _number(name: str, code: Code, text: str, most: int, line: int, sign: int = 1) -> Command | Wrong:
     if not re.match(r"\d{1,6}$", text) or int(text) > most:
-        return Wrong(f"{name},{text[:60]}: outside 0..{most}", f"a number from 0 to {most} behind the comma")
+        return Wrong(f"{name},{text[:60]}: outside 0..{most}", f"a number from 0 to {most} after the comma")
     return Command(code, line, number=sign * int(text))
 
 

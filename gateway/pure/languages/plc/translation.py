@@ -56,12 +56,12 @@ class Translation:
         key = key_of(start)
         if not key or key not in self._texts:
             known = ", ".join(sorted(self.sources)[:8]) or "none"
-            self.faults.error("no-start", Position(start.strip() or "PLC", 1), NO_START, f"programs there are: {known}")
+            self.faults.error("no-start", Position(start.strip() or "PLC", 1), NO_START, f"programs found: {known}")
             return None
         self._follow(key, [])
         program = Program(key, dict(self._ready))
         if not self.faults.errors and program.size > MOST_COMMANDS:
-            self.faults.error("memory", Position(key, 1), FULL, f"{program.size} commands, {MOST_COMMANDS} are the most")
+            self.faults.error("memory", Position(key, 1), FULL, f"{program.size} commands, at most {MOST_COMMANDS}")
         return None if self.faults.errors else program
 
     def check_all(self) -> Faults:
@@ -91,11 +91,11 @@ class Translation:
             if target == key or target in above:
                 self.faults.error("depth", self._place(key, command.line), DEEP, f"{command.name} calls itself")
             elif len(above) >= DEPTH and target not in self._depths:
-                self.faults.error("depth", self._place(key, command.line), DEEP, f"{DEPTH} levels of SU are the most")
+                self.faults.error("depth", self._place(key, command.line), DEEP, f"{DEPTH} levels of SU at most")
             else:
                 deepest = max(deepest, 1 + self._follow(target, [*above, key]))
                 if deepest > DEPTH:
-                    self.faults.error("depth", self._place(key, command.line), DEEP, f"{DEPTH} levels of SU are the most")
+                    self.faults.error("depth", self._place(key, command.line), DEEP, f"{DEPTH} levels of SU at most")
                     deepest = 0
         for name, steps in missing.items():
             hint = "SU calls programs of the same directory" if "/" in name else f"{name} is not in the directory"
@@ -149,10 +149,10 @@ def _groups(
             opened.append(at)
         elif command.code is Code.CLOSE:
             if not opened or opened.pop() == at - 1:
-                faults.error("brackets", place(routine.name, command.line), BRACKETS, "this ')' closes no bracket, or an empty one")
+                faults.error("brackets", place(routine.name, command.line), BRACKETS, "this ')' does not close a bracket, or an empty one")
         elif command.code is Code.LABEL:
             if command.name in labels:
-                faults.error("two-labels", place(routine.name, command.line), TWO_LABELS, f"M {command.name} is there twice")
+                faults.error("two-labels", place(routine.name, command.line), TWO_LABELS, f"M {command.name} exists twice")
             labels.setdefault(command.name, tuple(opened))
         elif command.code in JUMPS:
             jumps.append((command, tuple(opened)))

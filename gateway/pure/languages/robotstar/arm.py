@@ -90,7 +90,7 @@ class Arm:
         if not target.pose:
             return self._joints(target, near)
         if self.plain:
-            raise StepFault("a position of the tool needs the geometry of the robot; give the position by its axes, A1:..")
+            raise StepFault("a position of the tool needs the geometry of the robot; state the position by its axes, A1:..")
         pose = self._filled(target, near)
         self._known(target)
         extra = [self._axis(number, target, near) for number in range(self.machine.arm + 1, self.machine.axes + 1)]
@@ -141,5 +141,5 @@ class Arm:
 
 def _numbers(word: str, values: Sequence[float]) -> str:
     if not all(math.isfinite(value) for value in values):
-        raise StepFault("a component of the position is no number")
+        raise StepFault("a component of the position is not a number")
     return f"{word} {' '.join(f'{value:.10g}' for value in values)}"

@@ -233,7 +233,7 @@ def _target(checking: _Check, program: Program, step: Step) -> str:
     if text.replace("\\", "/").rpartition("/")[2].strip().upper() in checking.made:
         return ""
     if checking.memory.find(text, program.directory) is not None:
-        return f"program {text} is no {'sub-program' if step.word == 'CALL' else 'main program'}"
+        return f"program {text} is not a {'sub-program' if step.word == 'CALL' else 'main program'}"
     return f"program {text} not found"
 
 
@@ -243,11 +243,11 @@ def _pattern(checking: _Check, program: Program, text: str) -> str:
     if found is None and checking.memory.find(text, program.directory) is None:
         return f"pallet program {text} not found"
     if found is None:
-        return f"program {text} is no pallet program"
+        return f"program {text} is not a pallet program"
     if found.kind == "PAL" or _has_vectors(checking, found):
         checking.patterns[found.file] = found
         return ""
-    return f"program {text} is no pallet program"
+    return f"program {text} is not a pallet program"
 
 
 def _has_vectors(checking: _Check, program: Program) -> bool:

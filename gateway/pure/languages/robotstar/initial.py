@@ -19,7 +19,7 @@ def initialise(machine: Machine) -> tuple[str, int, str]:
         machine.select(program)
         try:
             if machine.run(MOST) == 0 or machine.request is not None or machine.idle:
-                wrong = f"{NAME} gives values to variables and neither waits nor moves the robot"
+                wrong = f"{NAME} only assigns values to variables: it neither waits nor moves the robot"
         except Halted:
             pass
         except StepFault as fault:

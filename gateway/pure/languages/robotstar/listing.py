@@ -86,7 +86,7 @@ def points_of(text: str) -> dict[str, str]:
         missing = [name for name in CARTESIAN if name not in given]
         axes = any(re.fullmatch(r"A\d{1,2}", name) for name in given)
         if missing and (len(missing) < len(CARTESIAN) or not axes):
-            raise PointFault(f"line {number}: {row[0]}: {', '.join(missing)} missing; a point has all of X Y Z A B C, or its axes alone")
+            raise PointFault(f"line {number}: {row[0]}: {', '.join(missing)} missing; a point has all of X Y Z A B C, or its axes only")
         found[_plain(row[0])] = ", ".join(f"{'Frame' if name == 'FRAME' else name}:{value}" for name, value in given.items())
     return found
 
@@ -127,7 +127,7 @@ def import_listing(text: str, words: Words, points: Mapping[str, str] | None = N
             program, head.last = head, printed
             continue
         if numbered and not printed and (program is None or program.ended):
-            add_note(number, f"{line.strip()[:40]!r} is no step and left out")  # a title of the page
+            add_note(number, f"{line.strip()[:40]!r} is not a step and is left out")  # a title of the page
             continue
         if program is None or program.ended:
             program = _Open(name, "MPR", [f'MPR "{name}"'])
@@ -162,7 +162,7 @@ def _take_plc_step(program: _Open, result: Imported, line: int, printed: int, st
     if not step or step.startswith("```"):
         return
     if numbered and not printed:
-        result.notes.append(Note(line, f"{step[:40]!r} is no step and left out"))
+        result.notes.append(Note(line, f"{step[:40]!r} is not a step and is left out"))
         return
     _count(program, printed, line, result)
     if not _ends(step) and isinstance(step_of(step, 1), Wrong) and (better := meant(step)):
@@ -217,11 +217,11 @@ def _step(number: int, line: str, words: Words, points: Mapping[str, str], notes
     if not text:
         return printed, None
     if text.startswith('"') and text.count('"') % 2:
-        notes.append(Note(number, "a quotation mark without its other is left out"))
+        notes.append(Note(number, "an unpaired quotation mark is left out"))
         text = text[1:].strip()
     matched = _WORD.match(text)
     if not matched:
-        notes.append(Note(number, f"{text[:40]!r} is no step and left out"))
+        notes.append(Note(number, f"{text[:40]!r} is not a step and is left out"))
         return printed, None
     spelt, rest = _joined(matched[2], matched[3], words)
     word = _repaired(number, spelt, words, notes, certain=bool(printed), numbered=numbered)
@@ -254,9 +254,9 @@ def _repaired(number: int, word: str, words: Words, notes: list[Note], certain: 
         notes.append(Note(number, f"{word} is read as {near[0]}"))
         return near[0]
     if certain or (word.isupper() and not numbered):
-        notes.append(Note(number, f"{word} is no command; it is kept as the call of a macro"))
+        notes.append(Note(number, f"{word} is not a command; it is kept as the call of a macro"))
         return word
-    notes.append(Note(number, f"{word} .. is no step and left out"))
+    notes.append(Note(number, f"{word} .. is not a step and is left out"))
     return ""
 
 

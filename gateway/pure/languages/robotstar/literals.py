@@ -42,7 +42,7 @@ def _refusal(value: Scalar, name: str, variable: Variable) -> str:
 
 
 def wrong_kind(step: Step, kind_of: Callable[[str], str]) -> str:
-    """Of mathematics, logic and tests: an operand that is no number, or no integer."""
+    """Of mathematics, logic and tests: an operand that is not a number, or no integer."""
     if step.word in ("TEST", "TEST_BIT"):
         return _wrong_test(step, kind_of)
     allowed = "IR" if step.word in MATH else "I" if step.word in LOGIC else ""

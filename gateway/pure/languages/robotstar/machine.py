@@ -183,7 +183,7 @@ class Machine:
         if found is None:
             raise StepFault(f"program {name} not found")
         if found.kind != "MPR":
-            raise StepFault(f"program {name} is no main program")
+            raise StepFault(f"program {name} is not a main program")
         if self.frame.program.kind not in ("MPR", "PAL"):
             raise StepFault("PROGRAM is allowed in a main program only")
         self._refuse_faulty(found)
@@ -197,7 +197,7 @@ class Machine:
         if found is None:
             raise StepFault(f"program {name} not found")
         if found.kind not in kinds:
-            raise StepFault(f"program {name} is no {'sub-program' if 'SPR' in kinds else 'macro'}")
+            raise StepFault(f"program {name} is not a {'sub-program' if 'SPR' in kinds else 'macro'}")
         if len(self.stack) > DEEPEST:
             raise StepFault(f"nesting depth too big: more than {DEEPEST} calls")
         self._refuse_faulty(found)

@@ -70,7 +70,7 @@ class Memory:
         place = SourceFile(source.path, source.text)
         parts = [part for part in directory.split("/") if part]
         if not dot or kind.upper() not in KINDS:
-            faults.error("rsv.file", place.at(1), f"{file} is no program: the name ends with {' '.join('.' + each for each in KINDS)}")
+            faults.error("rsv.file", place.at(1), f"{file} is not a program: the name ends with {' '.join('.' + each for each in KINDS)}")
             return
         if len(name) > LONGEST or any(len(part) > DIRECTORY_LONGEST for part in parts):
             faults.error(
@@ -206,7 +206,7 @@ class Memory:
                 for name, operand in zip(_elements(values, variable.kind), values.values(), strict=False):
                     number = _literal(operand)
                     if name not in variable.parts or isinstance(number, str):
-                        return f"{name} is no element of a variable of type {variable.kind}"
+                        return f"{name} is not an element of a variable of type {variable.kind}"
                     variable.put(name, number)
                 variable.constant = constant
             elif values:

@@ -117,7 +117,7 @@ def _give_relation(machine: Machine, programmed: Target) -> None:
     if actual.frame != programmed.frame:
         raise StepFault(f"CALC_REL: the robot is in frame {actual.frame}, the position in frame {programmed.frame}")
     if bool(actual.pose) != bool(programmed.pose):
-        raise StepFault("CALC_REL: one of the positions is given by axes, the other is not")
+        raise StepFault("CALC_REL: one of the positions is stated by axes, the other is not")
     for name, here, there in zip(CARTESIAN, actual.pose, programmed.pose, strict=False):
         vector.put(name, here - there)
     for name, value in programmed.axes.items():

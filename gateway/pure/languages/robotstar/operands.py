@@ -147,7 +147,7 @@ def _reference(text: str) -> Ref:
         if not re.fullmatch(r"\w+", element):
             raise OperandFault(f"{text}: the name of an element must follow the point")
     if rest:
-        raise OperandFault(f"{text}: {rest} behind the name is not understood")
+        raise OperandFault(f"{text}: {rest} after the name is not understood")
     return Ref(name, index, element, length)
 
 

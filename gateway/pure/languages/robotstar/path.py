@@ -154,7 +154,7 @@ class PathState:
                 raise path_fault(625, "BAHN_ZEIT of the following path is missing: only the orientation moves")
             raise path_fault(622, "BAHN_ZEIT is missing: only the orientation moves")
         if self.rounded and not moves:
-            text = "only the orientation moves" if turns else "there is no way"
+            text = "only the orientation moves" if turns else "there is no distance"
             raise path_fault(624 if turns else 623, f"approximation to a following path where {text}")
 
     def _check_circle(self, target: Target) -> None:

@@ -19,7 +19,7 @@ def letters_of(text: str) -> str:
     wanted = set(text.upper()) - set("-/ ")
     if wrong := wanted - set(LETTERS):
         meant = ", ".join(f"{letter} {meaning}" for letter, meaning in MEANINGS.items())
-        raise Protected(f"{''.join(sorted(wrong))}: no letter of a protection; they are {meant}")
+        raise Protected(f"{''.join(sorted(wrong))}: not a letter of a protection; the letters are {meant}")
     return "".join(letter for letter in LETTERS if letter in wanted)
 
 

@@ -196,9 +196,9 @@ def _parameters(rest: str, reading: _Reading) -> tuple[Parameter, ...]:
         parameters.append(reading.parameter(text, descriptor, column))
         descriptor, expected = "", True
     if descriptor:
-        raise OperandFault(f"{descriptor}: a value is missing behind the colon")
+        raise OperandFault(f"{descriptor}: a value is missing after the colon")
     if tokens and tokens[-1][0] == ",":
-        raise OperandFault("a parameter is missing behind the last comma")
+        raise OperandFault("a parameter is missing after the last comma")
     return tuple(parameters)
 
 

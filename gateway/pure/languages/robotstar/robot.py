@@ -148,7 +148,7 @@ class Robot:
             return ""
         frame = self.machine.frame
         if self.stride is Stride.OUT and len(self.machine.stack) == 1:
-            return f"{frame.program.name} was called by no program"
+            return f"{frame.program.name} was not called by a program"
         self.state, self._asked_at, self.machine.idle = State.RUNNING, now, False
         if self.stride is not Stride.MODE:
             self._macro_depth = len(self.machine.stack) - 1 if self.stride is Stride.OUT else 0

@@ -168,7 +168,7 @@ def f_set_latch(own: Instance, source: DioV) -> None:
     """Only fIn0 and fIn1; 70."""
     point = own.machine.io.usable(source.link)
     if last_name(point.path).lower() not in FAST:
-        raise Rte(70, f"{point.path} is no fast input")
+        raise Rte(70, f"{point.path} is not a fast input")
     own.machine.latch.arm(point)
 
 

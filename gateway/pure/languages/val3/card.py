@@ -121,7 +121,7 @@ def _channels(card: Card, root: Element) -> list[CardChannel]:
         elif "socket" in tag or "udp" in tag or "tcp" in tag:
             made.append(_socket(card, row, values))
         else:
-            card.doubts.append(f"sio.cfx line {row.line}: <{row.tag}> is no serial line and no socket; {name} is left out")
+            card.doubts.append(f"sio.cfx line {row.line}: <{row.tag}> is neither a serial line nor a socket; {name} is left out")
             continue
         if (twin := next((each for each in made[:-1] if each.name == made[-1].name), None)) is not None:  # their case counts
             made.pop()
@@ -173,7 +173,7 @@ def _timeout(card: Card, where: str, values: Mapping[str, str]) -> float:
     """Below 0: it does not wait (-0.001 as well as -1)."""
     value = _number(values.get("timeout", "0"))
     if value is None:
-        card.doubts.append(f"{where}: timeOut {values['timeout']!r} is no number; 0 is taken")
+        card.doubts.append(f"{where}: timeOut {values['timeout']!r} is not a number; 0 is used")
         return 0.0
     return -1.0 if value < 0 else min(value, 1e6)
 
@@ -185,7 +185,7 @@ def _whole(card: Card, where: str, values: Mapping[str, str], names: Iterable[st
     text = values[name.lower()]
     value = _number(text)
     if value is None or value != int(value) or not low <= value <= high:
-        card.doubts.append(f"{where}: {name} {text!r} is no whole number {low}..{high}; {default} is taken")
+        card.doubts.append(f"{where}: {name} {text!r} is not a whole number {low}..{high}; {default} is used")
         return default
     return int(value)
 
@@ -194,7 +194,7 @@ def _word(card: Card, where: str, values: Mapping[str, str], names: Iterable[str
     text = next((values[each.lower()] for each in names if each.lower() in values), known[0])
     if text.lower() in known:
         return text.lower()
-    card.doubts.append(f"{where}: {text!r} is none of {', '.join(known)}; {known[0]} is taken")
+    card.doubts.append(f"{where}: {text!r} is not one of {', '.join(known)}; {known[0]} is used")
     return known[0]
 
 

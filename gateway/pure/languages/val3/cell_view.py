@@ -108,7 +108,7 @@ def act(machine: Machine, own: Instance, order: Mapping[str, Fact]) -> str:
                 machine.answers.append(value)
             case "key":
                 if not machine.screen.press(value):
-                    return f"{value!r} is no key: one character or the number of a key is expected"
+                    return f"{value!r} is not a key: one character or the number of a key is expected"
             case "set":
                 put(machine, own, Event(0, what, value))
     except (EventFault, Rte, RuntimeFault) as fault:

@@ -77,7 +77,7 @@ def resolve(path: str, current: str) -> str:
                 raise PathFault(21, f"{path} leads out of the disk")
             parts.pop()
         elif any(ord(letter) < 32 or letter in ':*?"<>|' for letter in part):
-            raise PathFault(22, f"{path}: {part!r} is no name of a file")
+            raise PathFault(22, f"{path}: {part!r} is not a name of a file")
         else:
             parts.append(part)
     if not parts:

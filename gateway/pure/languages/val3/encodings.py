@@ -38,13 +38,13 @@ def decoded(data: bytes) -> Decoded:
         text = data[begin:].decode(name)
     except UnicodeDecodeError as error:
         if name not in ("utf-8", "utf8"):
-            raise Undecodable(f"the text is no {name.upper()} from byte {begin + error.start} on") from None
+            raise Undecodable(f"the text is not {name.upper()} from byte {begin + error.start} on") from None
         line = data.count(b"\n", 0, begin + error.start) + 1
-        doubts.append((line, f"byte {data[begin + error.start]:02X}h is no UTF-8; the file was read as Windows-1252"))
+        doubts.append((line, f"byte {data[begin + error.start]:02X}h is not UTF-8; the file was read as Windows-1252"))
         text = data[begin:].decode("cp1252", "replace")
     whole = text.rstrip("\0")
     if len(whole) < len(text):
-        doubts.append((whole.count("\n") + 1, f"{len(text) - len(whole)} zero bytes behind the text were left out"))
+        doubts.append((whole.count("\n") + 1, f"{len(text) - len(whole)} zero bytes after the text were left out"))
     if head := DECLARATION.match(whole):
         whole = "\n" * head.group().count("\n") + whole[head.end() :]
     return Decoded(whole, tuple(doubts))

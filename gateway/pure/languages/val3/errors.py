@@ -13,7 +13,7 @@ TEXTS: dict[int, str] = {
     23: "collection used with an empty key",
     25: "collection used with a key that it does not have",
     29: "invalid task name",
-    30: "the name is no VAL 3 task",
+    30: "the name is not that of a VAL 3 task",
     31: "task name already in use",
     32: "more than 2 different periods of synchronous tasks",
     33: "3000 lines reached in one synchronous cycle",

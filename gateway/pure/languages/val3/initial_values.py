@@ -161,7 +161,7 @@ def number(text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise Rte(70, f"{text!r} is no number")
+        raise Rte(70, f"{text!r} is not a number")
     return value
 
 

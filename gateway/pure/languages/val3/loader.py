@@ -180,7 +180,9 @@ class Loader:
                     continue
                 rule = matching(vel).accel
                 if max(abs(accel - rule), abs(decel - rule)) > ABOUT * rule:
-                    text = f"'{declared.name}' : vel {vel:g} % goes with accel and decel of {rule:g} %, not {accel:g} % and {decel:g} %"
+                    text = (
+                        f"'{declared.name}' : vel {vel:g} % does not match accel and decel of {rule:g} %, not {accel:g} % and {decel:g} %"
+                    )
                     faults.warning("val3-speed", Position(declared.file, declared.line), text)
 
     def _interfaces(self, app: Application, faults: Faults) -> None:

@@ -49,7 +49,7 @@ class ProgramTranslator:
             lines = lines[:-1]
         closing = next((at for at in range(len(lines) - 1, 0, -1) if lines[at].strip().lower() == "end"), 0)
         if closing and closing + 1 < len(lines):
-            self._fault(closing + 2, "text behind end")
+            self._fault(closing + 2, "text after end")
             lines = lines[: closing + 1]
         if not lines or lines[0].strip().lower() != "begin":
             self._fault(1, "begin expected")
@@ -349,7 +349,7 @@ class ProgramTranslator:
     def _do_default(self, parser: Expressions, translator: Translator) -> None:
         block = self._inside("default", parser)
         if block.default:
-            raise CompileFault("'default' is there twice", parser.tokens[0].start + 1)
+            raise CompileFault("'default' occurs twice", parser.tokens[0].start + 1)
         block.default = self._label()
         self._place(block.default)  # where no case fits, wherever the branch is (L828)
 

@@ -46,7 +46,7 @@ def _wrong(declared: Declaration, kind: Type) -> Iterator[tuple[int, str, bool]]
             yield from _wrong_fields(value, kind)
         elif kind == "string":
             if len(value.attributes.get("value", "").encode("utf-8", "replace")) > LONGEST:
-                yield value.line, f"a string holds {LONGEST} bytes, the rest is cut off", False
+                yield value.line, f"a string has at most {LONGEST} bytes, the rest is cut off", False
         else:
             yield from ((value.line, text, True) for text in _wrong_value(value, kind))
 

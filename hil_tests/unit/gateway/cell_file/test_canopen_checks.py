@@ -53,7 +53,7 @@ def test_a_dcf_that_maps_the_controlword_twice_is_refused_with_both_places() -> 
 def test_a_serial_number_of_0_pins_nothing_and_check_says_so() -> None:
     text = DEMO_402.replace("node = 2,", 'node = 2, serial = "0x0",').replace("node = 3,", 'node = 3, serial = "7",')
     cell = load_cell("cell.toml", text)
-    said = {notice.where: notice.text for notice in cell.warnings if "identifies no drive" in notice.text}
+    said = {notice.where: notice.text for notice in cell.warnings if "does not identify a drive" in notice.text}
     assert list(said) == ["axis.A2.drive.serial"]
     plans = dict(node_plans(cell, cell.bus[0], 4, simulated=False))
     assert plans["A2"].identity.serial is None and plans["A3"].identity.serial == 7

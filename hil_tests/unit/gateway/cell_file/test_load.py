@@ -73,7 +73,7 @@ def test_the_s5_example_is_reported_as_written_in_the_users_chapter() -> None:
     said = [f"{notice.level:<9}{notice.where}: {notice.text}" for notice in load_cell("s5-rk512").notices]
     assert said[:4] == [
         "note     db 10, DW 2 (KF, 0.1 mm): largest value 3276.7 mm; axis X goes to 2405.0 mm: fits",
-        "warning  line plc: profile QVZ 2000 ms x 6 attempts = 12 s; on_loss acts after 1.0 s by life word: good, but wire feed hold",
+        "warning  line plc: profile QVZ 2000 ms x 6 attempts = 12 s; on_loss acts after 1.0 s by life word: good; also wire feed hold",
         "note     bus can0: 745 us of 4000 us worst case (19 %); + 1 SDO pair 25 %; node 20 I/O event-driven",
         "warning  line plc: SEND 32 words 103 ms + FETCH 32 words 103 ms at 9600 Bd: "
         "your 100 ms polling is not reachable; expect 210..260 ms",
@@ -271,7 +271,7 @@ CROSS = [
     ("demo", ('to = "drives.on" ', 'to = "READY_RCO" '), "db.10[D 0.0]", "RC output is read"),
     ("demo", ('to = "drives.on" ', 'to = "cell.ready" '), "db.10[D 0.0]", "only read"),
     ("demo", ('to = "move.A1.target",   unit', 'to = "move.A7.target",   unit'), "db.10[DW 2]", "no such axis; there is A1"),
-    ("demo", ('to = "move.A1.target",   unit', 'to = "move.*.target",   unit'), "db.10[DW 2]", "one place holds one axis"),
+    ("demo", ('to = "move.A1.target",   unit', 'to = "move.*.target",   unit'), "db.10[DW 2]", "one address holds one axis"),
     ("demo", ('to = "move.A1.target",   unit = "0.1 mm"', 'to = "move.A1.target",   unit = "0.1 deg"'), "db.10[DW 2]", "axis A1 is in mm"),
     ("demo", ('to = "move.A1.target",   unit = "0.1 mm"', 'to = "move.A1.target",   unit = "0.01 mm"'), "db.10[DW 2]", "-327.68..327.67"),
     ("demo", ('"DW 8",   type = "KF"', '"DW 8",   type = "KG"'), "db.10[DW 8]", "KG needs an address of DD"),
@@ -299,7 +299,7 @@ CROSS = [
     ("demo", ("slow_speed = 20.0", "slow_speed = 200.0"), "axis.A1.home.slow_speed", "P109"),
     ("demo", ("offset = 10.0", "offset = -10.0"), "axis.A1.home.offset", "outside the limits"),
     ("demo", ("from = -20.0, to = 10.0", "from = 10.0, to = -20.0"), "plant.axis.A1.reference_switch", "below to"),
-    ("demo", ("from = -20.0, to = 10.0", "from = 200.0, to = 210.0"), "plant.axis.A1.start", "never meets the switch"),
+    ("demo", ("from = -20.0, to = 10.0", "from = 200.0, to = 210.0"), "plant.axis.A1.start", "never reaches the switch"),
     ("demo", ("[plant.axis.A6]", "[plant.axis.A9]"), "plant.axis.A9", "no such axis"),
     ("demo", ('owner = { "3" = "plc2" }', 'owner = { "3" = "plc3" }'), "rc_inputs.owner", "did you mean plc"),
     ("demo", ('owner = { "3" = "plc2" }', 'assume = ["FEED_ALOW_RCI"]'), "rc_inputs.assume", "did you mean FEED_ALLOW_RCI?"),

@@ -81,7 +81,7 @@ def test_a_report_that_is_missing_or_torn_is_refused_with_what_to_do(tmp_path: p
     assert any("No such file" in hint and "loss-test CELL --running" in hint for hint in hints(file))
     for text in ('{"evidence": "bus', "[]", "\ufeff", "[" * 100_000):
         (tmp_path / REPORT).write_text(text)
-        assert any("is no report of axisgate drive loss-test" in hint for hint in hints(file))
+        assert any("is not a report of axisgate drive loss-test" in hint for hint in hints(file))
 
 
 def test_the_cell_of_the_test_itself_is_warned_of() -> None:

@@ -59,7 +59,7 @@ def test_the_example_of_users_md_is_sound_and_playable() -> None:
     assert not_playable(cell) == []
     assert cell.line[0].supervision.max_silence_ms == 0
     assert [notice.text for notice in cell.notices if notice.where == "telegram DONE"] == [
-        "nothing in this file writes order.done: a program does, or `axisgate var order.done --set 1` in a simulated run"
+        "nothing in this file writes order.done: a program must write it, or `axisgate var order.done --set 1` in a simulated run"
     ]
 
 
@@ -89,12 +89,12 @@ SECOND = '\n[[telegram]]\nline = "V24_1"\nname = "{name}"\n{rest}\n'
         (replaced('unit = "mm"', 'unit = "0 mm"'), "telegram.ORDER.fields[2]", "must be greater than 0"),
         (replaced('hex = "00 00" }, { byte', 'hex = "00 0" }, { byte'), "telegram.ORDER.match[0].hex", "two hex digits a byte"),
         (replaced('byte = 2, text = "OR"', 'byte = 2, text = "OR", hex = "4F"'), "telegram.ORDER.match[1]", "exactly one of hex, text"),
-        (replaced('"order.height"', '"axis.A1.actual"'), "telegram.ORDER.fields[2]", "that is axisgate's name"),
-        (replaced('"order.height"', '"order.new"'), "telegram.ORDER.then", "a signal has a name of its own"),
+        (replaced('"order.height"', '"axis.A1.actual"'), "telegram.ORDER.fields[2]", "this name is reserved for axisgate"),
+        (replaced('"order.height"', '"order.new"'), "telegram.ORDER.then", "a signal needs a name of its own"),
         (replaced('"signal order.new"', '"order.new"'), "telegram.ORDER.then", '"signal order.new"'),
         (replaced('"rising order.done"', '"order.done"'), "telegram.DONE.when", '"rising order.done"'),
-        (replaced("rising order.done", "falling order.new"), "telegram.DONE.when", "a signal only comes: rising"),
-        (replaced('"order.height"', '"telegram.DONE.sent"'), "telegram.ORDER.fields[2]", "that is axisgate's name"),
+        (replaced("rising order.done", "falling order.new"), "telegram.DONE.when", "a signal can only be received: rising"),
+        (replaced('"order.height"', '"telegram.DONE.sent"'), "telegram.ORDER.fields[2]", "this name is reserved for axisgate"),
         (replaced('from = "order.number"', 'from = "order.numbr"'), "telegram.DONE.build[2]", "did you mean order.number?"),
         (replaced('from = "error.first.code"', 'from = "axis.Q.actual"'), "telegram.DONE.build[3]", "no such axis"),
         (
@@ -132,7 +132,7 @@ SECOND = '\n[[telegram]]\nline = "V24_1"\nname = "{name}"\n{rest}\n'
         (
             HEAD + ORDER + SECOND.format(name="T", rest='match = [{ byte = 2, text = "O" }]'),
             "telegram.T.match",
-            "ORDER matches the same bytes: a block that begins 00 00 4F 52 would be both",
+            "ORDER matches the same bytes: a block that begins 00 00 4F 52 would match both",
         ),
         (
             HEAD + SECOND.format(name="T", rest='when = "rising cell.error"\nbuild = [{ type = "TEXT", from = "cell.x" }]'),

@@ -68,7 +68,7 @@ def test_a_key_of_another_suite_is_named_in_the_report(tmp_path: pathlib.Path, c
         (BENCHES / "good.toml").read_text().replace("../../gateway", str(BENCHES.parents[1] / "gateway")) + "[known]\n'coil:1' = 1\n"
     )
     _, found, _ = run(capsys, "3964r", "--bench", path, "--only", "3964R_RCV_BV_01")
-    assert "known.coil: does not act in the suite 3964r" in found["pics"]["assumed"]
+    assert "known.coil: has no effect in the suite 3964r" in found["pics"]["assumed"]
 
 
 def bench(tmp_path: pathlib.Path, **power: object) -> Bench:

@@ -120,7 +120,7 @@ def wrong(due: object = None, said: object = b"") -> Machine[object]:
 
 @pytest.mark.parametrize("due", ["soon", float("nan"), float("inf"), b"1"])
 def test_a_deadline_that_is_no_time_is_named(due: object) -> None:
-    with pytest.raises(PortError, match=r"deadline gave .*; nanoseconds expected, or None"):
+    with pytest.raises(PortError, match=r"deadline returned .*; nanoseconds expected, or None"):
         Guarded(wrong(due), "d.py:make").deadline()
 
 
@@ -132,9 +132,9 @@ def test_a_deadline_may_be_a_float() -> None:
 def test_output_of_another_type_is_named_and_none_is_nothing() -> None:
     assert Guarded(wrong(said=None), "d").take_output() == b""
     assert GuardedFrames(Nonsense(said=None), "d").take_output() == []
-    with pytest.raises(PortError, match="d: take_output gave 'x'; bytes expected"):
+    with pytest.raises(PortError, match="d: take_output returned 'x'; bytes expected"):
         Guarded(wrong(said="x"), "d").take_output()
-    with pytest.raises(PortError, match=r"d: take_output gave b'x'; a list of pairs"):
+    with pytest.raises(PortError, match=r"d: take_output returned b'x'; a list of pairs"):
         GuardedFrames(Nonsense(said=b"x"), "d").take_output()
 
 

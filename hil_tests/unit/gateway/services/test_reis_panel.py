@@ -200,7 +200,7 @@ def test_override_modes_and_messages_go_the_way_of_everybody(tmp_path: pathlib.P
 
 def test_an_unknown_key_is_an_error_and_the_answer_names_size_and_keys(tmp_path: pathlib.Path) -> None:
     operator = Operator(tmp_path)
-    assert "no key" in str(operator.panel.answer({"key": "MODE"}, SOURCE, 0)["error"])
+    assert "not a key" in str(operator.panel.answer({"key": "MODE"}, SOURCE, 0)["error"])
     unit = operator.panel.answer({}, SOURCE, 0)["unit"]
     assert isinstance(unit, dict) and (unit["columns"], unit["lines"]) == (COLUMNS, LINES) and "1+" in unit["held"]
 

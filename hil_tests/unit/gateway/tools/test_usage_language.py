@@ -155,7 +155,7 @@ def test_faults_of_reis_programs_are_reported_in_german(
 NO_SENTENCE = re.compile(r"\\[sbd]|[|]|NOT_TRANSLATED")  # patterns, and a step of the program
 IMPORT = pathlib.Path(gateway.__file__).parent / "pure/languages/plc/awl"
 NARROW = "numbers are calculated with 32 bits; STEP 5 has 16: check lines"
-UNFED = "7: uses what line 7 would have given, which is not translated"
+UNFED = "7: uses what line 7 would have loaded, which is not translated"
 PUT_TOGETHER = {NARROW: f"PB1: {NARROW} 7", UNFED: f"line 7 (PB1): T MB 1{UNFED[1:]}"}
 
 

@@ -31,7 +31,7 @@ def test_the_defaults_are_loopback_and_may_be_changed() -> None:
 @pytest.mark.parametrize(
     "table, words",
     [
-        ({"bind": "0.0.0.0:8480"}, "give tls_certificate and tls_key, or bind 127.0.0.1"),
+        ({"bind": "0.0.0.0:8480"}, "set tls_certificate and tls_key, or bind 127.0.0.1"),
         ({"bind": "10.0.0.7:8480"}, "reached from other computers"),
         ({"tls_certificate": "a.pem"}, "belong together"),
         ({"tls_certificate": "a.pem", "tls_key": "a.key"}, "no such file"),

@@ -69,7 +69,7 @@ def test_each_press_executes_one_step_in_test() -> None:
     assert page.steps(how="into") == ("P", 6) and page.cell.where() == pytest.approx((884, 0, 591), abs=0.05) != before
     assert page.cell.value("I1") is None
     assert page.steps(how="into") == ("P", 7) and page.cell.value("I1") == "7"
-    assert page.steps(how="out") == ("P", 7), "called by no program"
+    assert page.steps(how="out") == ("P", 7), "not called by a program"
 
 
 def test_another_users_control_and_wrong_orders_are_refused() -> None:

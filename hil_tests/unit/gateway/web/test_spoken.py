@@ -112,7 +112,7 @@ def test_reasons_of_drives_and_couplers_have_german_words() -> None:
         ("all forces ended by anna", "alles Steuern beendet von anna"),
         ("RC input 40 forced to 1 by anna", "RC-Eingang 40 auf 1 gesteuert von anna"),
         (
-            "Modbus client far: no connection to tcp://127.0.0.1:9: Connection refused; it is tried again until it is there",
+            "Modbus client far: no connection to tcp://127.0.0.1:9: Connection refused; it is tried again until it exists",
             "Modbus-Client far: keine Verbindung zu tcp://127.0.0.1:9: Verbindung abgewiesen; neuer Versuch, bis sie hergestellt ist",
         ),
         (
@@ -164,7 +164,7 @@ def test_every_word_of_the_line_decoder_and_of_line_faults_has_german() -> None:
         assert german(words) != words
     for stage in STAGES.values():
         for why in FAILED.values():
-            said = german(f"plc1: an own block is sent again: {why} {stage}")
+            said = german(f"plc1: a block is sent again: {why} {stage}")
             assert stage not in said and why not in said and said.startswith("plc1: ein eigener Block wird wiederholt: ")
 
 

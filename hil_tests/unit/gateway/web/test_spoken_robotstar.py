@@ -62,7 +62,7 @@ TYPES = re.compile(  # no sentences
 )
 VALUE = "7"
 PUT_TOGETHER = {  # sentences of which a part is a word of a list
-    "program 7 is no 7": ["program P is no sub-program", "program P is no macro", "program P is no main program"],
+    "program 7 is not a 7": ["program P is not a sub-program", "program P is not a macro", "program P is not a main program"],
     "circle: 7 and 7 point are the same": [f"circle: {a} and {b} point are the same" for a, b in PAIRS],
     "circle: 7 point is a position of the tool, not of the axes": [
         "circle: the end point is a position of the tool, not of the axes",

@@ -105,7 +105,7 @@ def test_r_stays_with_r_holds_for_its_block_and_zero_switches_passing_off() -> N
     first, second = missed("R = 50\n")
     assert first == pytest.approx(second, rel=0.15) and first > 2
     there, with_20 = "MOVE LINEAR TO @(60, 60, 40, 12)\n", "MOVE LINEAR WITH R = 20 TO @(60, 60, 40, 12)\n"
-    assert missed(f"R = 50\n{with_20}") == pytest.approx(missed(f"R = 50\n{there}"), abs=0.01), "R = 50 again behind the block"
+    assert missed(f"R = 50\n{with_20}") == pytest.approx(missed(f"R = 50\n{there}"), abs=0.01), "R = 50 again after the block"
     smaller = missed("R = 50\n", with_="WITH R = 20 ")
     half_step = 300 * 0.004 / 2  # mm: the place nearest to the corner is looked for among those of the cycles
     aside = half_step**2 / (2 * 0.4 * first)

@@ -56,7 +56,7 @@ def test_check_names_the_included_file_with_its_path(tmp_path: pathlib.Path, cap
         (head, 3, "error", "declared-twice"),
     ]
     main(["check", str(tmp_path / "main.qll")])
-    assert f"{head}:2:12: warning: program GONE is not there" in capsys.readouterr().out
+    assert f"{head}:2:12: warning: program GONE does not exist" in capsys.readouterr().out
 
 
 def test_an_error_is_in_the_file_of_its_line() -> None:

@@ -68,7 +68,7 @@ def test_trace_prints_one_object_an_event(folder: pathlib.Path, capsys: pytest.C
         (["trace", ".", "GONE"], Exit.INVALID, "there is no program GONE"),
         (["trace", "./gone", "PICK"], Exit.INVALID, "No such file"),
         (["trace", ".", "BAD"], Exit.FINDING, "X is not declared"),
-        (["trace", ".", "old"], Exit.FINDING, "OLD.IRD is a translation; axisgate runs sources; put OLD.QLL beside it"),
+        (["trace", ".", "old"], Exit.FINDING, "OLD.IRD is a translation; axisgate runs sources; put OLD.QLL into its folder"),
         (["trace", ".", "PICK", "--feed", "feed.toml"], Exit.INVALID, "p5_ms = 0: a number from 1 to 1000 is expected"),
         (["check", "gone.qll"], Exit.INVALID, "No such file"),
     ],

@@ -75,7 +75,7 @@ def test_two_mistakes_are_two_faults(first: str, wrong: str, second: str, wrong_
         ("ZEILE := 1", "write ="),
         ("PARALLEL\nALSO\nPARALLEL ENDE", "write PARALLEL_ENDE"),
         ("V_PTB = 1", "did you mean V_PTP?"),
-        ("NR = 1", "line 2 has it in a comment behind a semicolon"),
+        ("NR = 1", "line 2 has it in a comment after a semicolon"),
     ],
 )
 def test_the_hint_says_what_was_meant(statements: str, hint: str) -> None:

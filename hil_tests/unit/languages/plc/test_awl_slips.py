@@ -79,7 +79,7 @@ def test_a_line_that_is_not_translated_keeps_its_label_and_its_reason() -> None:
     assert "NOT_TRANSLATED X :E 1.0 ; line 9: subprograms of the integrated PLC have no parameters" in result.programs["PB1"]
     reasons = {each.line: each.reason for each in result.refused}
     assert reasons[5] == "KT 5: a time has up to three digits, a point and a time base from 0 to 3 (KT 050.1)"
-    assert 6 not in reasons and "line 6 (PB1): :SE T 2: uses what line 5 would have given, which is not translated" in result.notes
+    assert 6 not in reasons and "line 6 (PB1): :SE T 2: uses what line 5 would have loaded, which is not translated" in result.notes
     assert imported("PB 1\n:U E 0.0\n:O\nM1 :U 0E0.4\n:BE").programs["PB1"].startswith("PLC PB1\nU E0.0\nM M1\nNOT_TRANSLATED")
     assert reasons[8] == "DB5.DBB7 has no marker; give it one with --words: DB5.DBB7 = M200"  # once read as DB 87
 

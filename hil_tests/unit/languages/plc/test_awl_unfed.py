@@ -30,6 +30,6 @@ def test_statements_that_use_what_a_line_not_translated_would_have_loaded_are_na
     assert [each.line for each in result.refused] == [2, 11, 18]
     named = [note for note in result.notes if "not translated" in note]
     assert named == [
-        f"line {line} (OB1): {text}: uses what line {missing} would have given, which is not translated"
+        f"line {line} (OB1): {text}: uses what line {missing} would have loaded, which is not translated"
         for line, text, missing in ((3, ":+ 1", 2), (4, ":T MB 12", 2), (6, ":+F", 2), (13, ":><F", 11))
     ]

@@ -34,7 +34,7 @@ S11  END
         ("L MB 20", "a statement of STEP 5; here it is L M20"),
         ("A I0.0", "a statement of STEP 5; here it is U I0.0"),
         ("U E40.0", "E 0 to E 39"),
-        ("ZV ACCU,256", "a number from 0 to 255 behind the comma"),
+        ("ZV ACCU,256", "a number from 0 to 255 after the comma"),
     ],
 )
 def test_the_hint_of_a_faulty_step_is_the_step_that_was_meant(step: str, hint: str) -> None:

@@ -281,7 +281,7 @@ def test_the_plc_cycles_and_says_which_outputs_it_wrote() -> None:
         ("ST (E,T1)\n= A0.0", 2, "ST (E,T1): wrong operand", "ST I,T5 with the timer type I, V, E or A"),
         ("SP ENDE1,1\nM ENDEL", 2, "Branch destination not defined", "there is no M ENDE1; did you mean ENDEL?"),
         ("SU LMAPE", 2, "Subprogram not found", "LMAPE is not in the directory; did you mean LAMPE?"),
-        ("U E0.0\nEND\n= A0.0\nU E0.1", 4, "'= A0.0' behind END", "END is the last step; also at steps 5, 6"),
+        ("U E0.0\nEND\n= A0.0\nU E0.1", 4, "'= A0.0' after END", "END is the last step; also at steps 5, 6"),
         ("L E0\nL 5\n==\n= A0.0", 4, "= =: wrong operand", "here it is =?"),
         ("= A0.0\nEDN", 3, "END is missing", ""),
     ],

@@ -169,7 +169,7 @@ def test_an_imported_list_runs(tmp_path: pathlib.Path, capsys: pytest.CaptureFix
     assert isinstance(events, list)
     assert {"at": 25, "what": "A0", "value": 1} in events
     assert main(["import", str(tmp_path / "LIST.TXT"), "--to", str(tmp_path / "PLC")]) == 2
-    assert "there already" in capsys.readouterr().err
+    assert "exists already" in capsys.readouterr().err
 
 
 def test_a_binary_file_of_step_5_is_answered_with_how_to_print_it(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -53,7 +53,7 @@ def test_renaming_keeps_the_letters_and_may_be_locked(memory: pathlib.Path, caps
     assert main(["protect", str(memory), "GRIP", "L"]) == 0 and main(["rename", str(memory), "GRIP", "GRAB"]) == 0
     assert listed(memory, capsys)["GRAB"]["protection"] == "-/A/E/S/U"
     assert main(["protect", str(memory), "GRAB", "U"]) == 0 and main(["rename", str(memory), "GRAB", "GRIP"]) == 1
-    assert main(["protect", str(memory), "GRAB", "X"]) == 1 and "no letter" in capsys.readouterr().err
+    assert main(["protect", str(memory), "GRAB", "X"]) == 1 and "not a letter" in capsys.readouterr().err
     assert main(["copy", str(memory), "GRAB", "PICK"]) == 0, "another kind"
     assert main(["delete", str(memory), "PICK"]) == 2 and "several" in capsys.readouterr().err
 

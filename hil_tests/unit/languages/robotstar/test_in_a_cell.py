@@ -366,7 +366,7 @@ def test_the_plc_starts_and_stops_the_robot_by_markers_in_auto() -> None:
     cell.until(lambda: math.dist(cell.where(), here) > 30)
     assert cell.control.write_flags(1020, b"\x80")
     cell.until(lambda: cell.bench.core.state.motion is Motion.STOPPED)
-    assert cell.hosted.run, "hold is no Auto Stop"
+    assert cell.hosted.run, "hold is not an Auto Stop"
     assert cell.control.write_flags(1020, b"\x00")
     held = cell.where()
     cell.until(lambda: math.dist(cell.where(), held) > 30)

@@ -159,7 +159,7 @@ def test_a_single_step_of_the_page_in_any_test_mode(mode: int) -> None:
     assert cell.where() == pytest.approx((884, 0, 591), abs=0.05)
     out = cell.hosted.answer({"do": "step", "name": "", "how": "out"}, 0)
     cell.bench.run(0.1)
-    assert "P was called by no program" in cell.hosted.results[int(str(out["run"]))][2]
+    assert "P was not called by a program" in cell.hosted.results[int(str(out["run"]))][2]
     assert stepped(cell, "into") == ("S", 1)
     assert stepped(cell, "into") == ("S", 2)
     assert stepped(cell, "out") == ("P", 7)

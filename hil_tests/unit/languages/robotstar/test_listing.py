@@ -210,9 +210,9 @@ def test_titles_of_the_pages_of_a_numbered_listing_are_no_steps() -> None:
     found = import_listing(text, WORDS)
     assert {name: len(steps.splitlines()) for name, steps in found.files.items()} == {"A.MPR": 7}
     assert [(note.line, note.text) for note in found.notes] == [
-        (1, "REIS .. is no step and left out"),
-        (2, "'Programm: S:/TEILE/A.MPR' is no step and left out"),
-        (8, "REIS .. is no step and left out"),
+        (1, "REIS .. is not a step and is left out"),
+        (2, "'Programm: S:/TEILE/A.MPR' is not a step and is left out"),
+        (8, "REIS .. is not a step and is left out"),
     ]
 
 
@@ -221,7 +221,7 @@ def test_a_step_whose_number_is_lost_is_between_its_neighbours() -> None:
     assert [line.split(None, 1)[1] for line in found.files["A.MPR"].splitlines()][2:5] == ["GREIFER_ZU", "WAIT 3", "WAIT 4"]
     assert [note.text for note in found.notes] == [
         "GREIFER_ZU is read as 3 GREIFER_ZU",
-        "GREIFER_ZU is no command; it is kept as the call of a macro",
+        "GREIFER_ZU is not a command; it is kept as the call of a macro",
         "WAIT 4 is read as 5 WAIT 4",
     ]
     found = import_listing('1 MPR "A"\n2 WAIT 1\n8 WAIT 2\n4 WAIT 3\n4 WAIT 4\n6 ENDE\n', WORDS)

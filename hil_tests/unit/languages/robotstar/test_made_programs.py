@@ -106,7 +106,7 @@ def test_a_program_that_transforms_itself_is_written_and_goes_on(tmp_path: pathl
     kept.programs.refresh(lambda: None)
     kept.memory = kept.programs.language.memory
     assert kept.run() == []
-    assert kept.programs.refresh(lambda: None) is None, "its own writing is no new file that lets a stopped program begin anew"
+    assert kept.programs.refresh(lambda: None) is None, "its own writing is not a new file that lets a stopped program begin anew"
     again = Kept(tmp_path).memory.find("SRC")
     assert again is not None and again.locked == "U"
     assert [step.slots["X"] for step in again.steps if step.word == "POSITION"] == [Number(11.251), Number(-1224.566891)]

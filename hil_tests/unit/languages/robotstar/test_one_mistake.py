@@ -31,7 +31,7 @@ POSITION = "POSITION #N, X:1, Y:0, Z:0, A:0, B:0, C:0"
         ("BEWEG_ART LINEAR", 2, "BEWEG_ART: mode must be one of #PTP, #LINEAR, #SPLINE, #ZIRK_MIN_ORI, #ZIRK_BAHN_ORI", "#LINEAR?"),
         ("WARTE_BIT EINGANG, 1, 0, 5", 2, "WARTE_BIT: EINGANG is of type E; I or R is needed", "did you mean #EINGANG?"),
         ("WARTE_BIT #EINGANG, 1, 0, 5, 2.0", 2, "WARTE_BIT: label missing", ""),
-        ('PALLET "HOLEN", #ON', 2, "program HOLEN is no pallet program", ""),
+        ('PALLET "HOLEN", #ON', 2, "program HOLEN is not a pallet program", ""),
         ("LOC_VAR V1\nTEST #VARIABLE, V1, #=, 1, A\nLABEL A", 3, "Wrong operand types!", ""),
         ('LOC_VAR I1\nTEST #VARIABLE, I1, #=, "A", A\nLABEL A', 3, "Wrong operand types!", ""),
         ("LOC_VAR R1\nTEST_BIT #VARIABLE, #=1, R1, 3, A\nLABEL A", 3, "Wrong operand types!", ""),

@@ -148,7 +148,7 @@ def test_a_mistake_in_a_pattern_is_one_fault_at_its_step(given: dict[str, str], 
     ("name", "text", "hint"),
     [
         ("PTA", "pallet program PTA not found", "did you mean PAT?; also at step 3"),
-        ("P", "program P is no pallet program", "also at step 3"),
+        ("P", "program P is not a pallet program", "also at step 3"),
     ],
 )
 def test_a_wrong_name_of_a_pattern_is_one_fault(name: str, text: str, hint: str) -> None:

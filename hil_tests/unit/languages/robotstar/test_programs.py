@@ -75,7 +75,7 @@ def test_program_goes_to_another_main_program() -> None:
 
 
 @pytest.mark.requirement("RSV-PRG-08", by="gateway.pure.languages.robotstar.machine:Machine.switch")
-@pytest.mark.parametrize("name, said", [("X", "program X not found"), ("S1", "program S1 is no main program")])
+@pytest.mark.parametrize("name, said", [("X", "program X not found"), ("S1", "program S1 is not a main program")])
 def test_program_needs_a_main_program(name: str, said: str) -> None:
     ran = run({"P.MPR": f'COPY 1,I1\nPROGRAM "{name}"', "S1.SPR": "COPY 1,I2", **V}, until=1)
     assert (ran.texts(), ran.state, ran.step, ran.value("I1")) == ([said], "error", 3, 1)

@@ -69,8 +69,8 @@ def test_syvarini_gives_values_when_the_control_is_switched_on() -> None:
     ("step", "text"),
     [
         ("COPY 200, _ISPL_TENS", "_ISPL_TENS 200 is outside 0 .. 100"),
-        ("WAIT 1", "SYVARINI gives values to variables and neither waits nor moves the robot"),
-        ('LABEL "A"\nBRANCH "A"', "SYVARINI gives values to variables and neither waits nor moves the robot"),
+        ("WAIT 1", "SYVARINI only assigns values to variables: it neither waits nor moves the robot"),
+        ('LABEL "A"\nBRANCH "A"', "SYVARINI only assigns values to variables: it neither waits nor moves the robot"),
         ("COPY 1", "program SYVARINI has faults: step 2: COPY: destination missing"),
     ],
 )

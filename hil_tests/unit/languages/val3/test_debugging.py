@@ -68,7 +68,7 @@ def test_steps_go_over_into_and_out_of_calls(folder: pathlib.Path) -> None:
     session = Session(folder / "start.pgx")
     session.run.begin(entry=True)
     assert session.held() == ("demo~", "nCount=1")
-    assert session.step(Step.OVER) == "call add(nCount,aList[1])", "a comment is no line to stop at"
+    assert session.step(Step.OVER) == "call add(nCount,aList[1])", "a comment is not a line to stop at"
     assert session.step(Step.INTO) == "l_n=x_n"
     assert session.step(Step.OVER) == "x_n=l_n+x_m"
     inner, outer = session.calls()
@@ -105,7 +105,7 @@ def test_events_from_outside_and_what_is_refused(folder: pathlib.Path) -> None:
     session.stop_at("nCount=nCount*10")
     session.run.begin(entry=False)
     assert session.held()[1] == "nCount=nCount*10" and session.calls()[0].scopes["Global"]["nCount"] == 7
-    assert session.run.breakpoints(folder / "none.pgx", [1]) == ([None], "none.pgx is no program of this application")
+    assert session.run.breakpoints(folder / "none.pgx", [1]) == ([None], "none.pgx is not a program of this application")
     for arguments, words in (({"at": ["x"]}, "a number of seconds is expected"), ({"robot": "nothing"}, "nothing")):
         with pytest.raises(AdapterFault, match=words):
             Session(folder / "start.pgx", **arguments)

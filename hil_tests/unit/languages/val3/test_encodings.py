@@ -29,10 +29,10 @@ READ = {  # written so: read as it is
 }
 DOUBTED = {
     "Windows-1252 that declares UTF-8": (
-        lambda text: text.encode("cp1252"), ["byte F6h is no UTF-8; the file was read as Windows-1252",
-                                             "byte FCh is no UTF-8; the file was read as Windows-1252"], [4, 4],
+        lambda text: text.encode("cp1252"), ["byte F6h is not UTF-8; the file was read as Windows-1252",
+                                             "byte FCh is not UTF-8; the file was read as Windows-1252"], [4, 4],
     ),
-    "zero bytes of a card": (lambda text: text.encode() + b"\0" * 512, ["512 zero bytes behind the text were left out"] * 3, [5, 3, 6]),
+    "zero bytes of a card": (lambda text: text.encode() + b"\0" * 512, ["512 zero bytes after the text were left out"] * 3, [5, 3, 6]),
 }  # fmt: skip
 REFUSED = {
     "half": (lambda text: text.encode()[:-30], "enc/enc.pjx", "not well-formed XML: "),
@@ -41,7 +41,7 @@ REFUSED = {
     "a control character": (lambda text: text.replace("grün", "gr\1n").encode(), "enc/start.pgx", "a control character, 01h, in column 6"),
     "unknown encoding": (lambda text: text.replace("utf-8", "klingon").encode(), "enc/enc.pjx", "the encoding 'klingon' is unknown"),
     "no encoding of text": (lambda text: text.replace("utf-8", "zip").encode(), "enc/enc.pjx", "the encoding 'zip' is unknown"),
-    "half a letter of UTF-16": (lambda text: text.encode("utf-16") + b"\0", "enc/enc.pjx", "the text is no UTF-16-LE from byte "),
+    "half a letter of UTF-16": (lambda text: text.encode("utf-16") + b"\0", "enc/enc.pjx", "the text is not UTF-16-LE from byte "),
 }
 Way = Callable[[str], bytes]
 

@@ -120,7 +120,7 @@ def test_one_application_is_found_or_named(tmp_path: pathlib.Path, capsys: pytes
     table = load_cell(str(tmp_path / "a.toml")).val3
     assert table is not None and table.application == "cellA"
     assert main(["import", str(made), "--application", "cellA", "--out", str(tmp_path / "a.toml")]) == 2
-    assert "is there already and stays as it is" in capsys.readouterr().err
+    assert "exists already and is not changed" in capsys.readouterr().err
     assert main(["import", str(made), "--application", "nothing", "--out", str(tmp_path / "b.toml")]) == 2
     assert main(["import", str(tmp_path / "none")]) == 2 and not (tmp_path / "b.toml").exists()
     assert "Traceback" not in capsys.readouterr().err
@@ -174,10 +174,14 @@ def test_links_of_all_kinds_get_one_point_each(tmp_path: pathlib.Path) -> None:
         ("sio.cfx", "<sio><socketSrv>", "the file is left out"),
         ("sio.cfx", '<!DOCTYPE a [<!ENTITY x "y">]><sio>&x;</sio>', "a document type is declared"),
         ("sio.cfx", "<sio><socketSrv /></sio>", "sio.cfx line 2: <socketSrv> has no name and is left out"),
-        ("sio.cfx", '<sio><modem><String name="name" value="m" /></modem></sio>', "<modem> is no serial line and no socket; m is left out"),
-        ("sio.cfx", SIO.replace('value="even"', 'value="mark"'), "portSerial: 'mark' is none of none, even, odd; none is taken"),
-        ("sio.cfx", SIO.replace('"11000"', '"99999"'), "hmi: portNumber '99999' is no whole number 1..65535; 0 is taken"),
-        ("sio.cfx", SIO.replace('"5"', '"soon"'), "portSerial: timeOut 'soon' is no number; 0 is taken"),
+        (
+            "sio.cfx",
+            '<sio><modem><String name="name" value="m" /></modem></sio>',
+            "<modem> is neither a serial line nor a socket; m is left out",
+        ),
+        ("sio.cfx", SIO.replace('value="even"', 'value="mark"'), "portSerial: 'mark' is not one of none, even, odd; none is used"),
+        ("sio.cfx", SIO.replace('"11000"', '"99999"'), "hmi: portNumber '99999' is not a whole number 1..65535; 0 is used"),
+        ("sio.cfx", SIO.replace('"5"', '"soon"'), "portSerial: timeOut 'soon' is not a number; 0 is used"),
     ],
 )
 def test_what_is_not_understood_is_said(name: str, text: str, doubt: str) -> None:
@@ -276,7 +280,7 @@ def test_a_folder_that_is_there_is_not_unpacked_into(tmp_path: pathlib.Path, cap
     archive = zipped(card(tmp_path, App("pick")), tmp_path / "card.zip")
     (tmp_path / "press").mkdir()
     assert main(["import", str(archive), "--out", str(tmp_path / "press.toml")]) == 2
-    assert "press is there already and stays as it is" in capsys.readouterr().err
+    assert "press exists already and is not changed" in capsys.readouterr().err
 
 
 def test_what_a_program_writes_is_an_output(tmp_path: pathlib.Path) -> None:

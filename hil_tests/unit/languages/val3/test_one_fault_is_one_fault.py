@@ -1,4 +1,4 @@
-"""A mistake is named once: what follows from it in other lines and files is no mistake of theirs (issue 24, bad input)."""
+"""A mistake is named once: what follows from it in other lines and files is not a mistake of theirs (issue 24, bad input)."""
 
 from collections.abc import Callable
 
@@ -93,7 +93,7 @@ def test_words_that_close_another_block(code: str, line: int, text: str) -> None
 
 def test_text_behind_the_last_line() -> None:
     errors = found(lambda path, data: data.replace(b"x=1\nend]", b"x=1\nend\n// remark\nx=2]"))
-    assert errors == [NOPE, ("sub.pgx", 4, "text behind end")]
+    assert errors == [NOPE, ("sub.pgx", 4, "text after end")]
 
 
 ELSE_IF = "'else if' : elseIf expected"

@@ -19,13 +19,13 @@ def errors(app: App, *others: App) -> list[tuple[str, int, str]]:
 
 
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
-    "num": ({"value": "abc"}, "'abc' is no number"),
+    "num": ({"value": "abc"}, "'abc' is not a number"),
     "bool": ({"value": "maybe"}, "'maybe' is neither true nor false"),
     "mdesc": ({"blend": "round"}, "blend 'round': there are off, joint, Cartesian"),
-    "jointRx": ({"j3": "1,5"}, "'1,5' is no number"),
+    "jointRx": ({"j3": "1,5"}, "'1,5' is not a number"),
     "point": ({"x": 1, "shoulder": "leftish"}, "shoulder 'leftish': there are righty, lefty, ssame, sfree"),
-    "tool": ({"otime": "soon"}, "'soon' is no number"),
-    "frame": ({"rz": "1e999"}, "'1e999' is no number"),
+    "tool": ({"otime": "soon"}, "'soon' is not a number"),
+    "frame": ({"rz": "1e999"}, "'1e999' is not a number"),
 }
 
 
@@ -44,7 +44,9 @@ def test_right_values_of_all_types_and_attributes_of_other_versions() -> None:
 
 def test_a_string_that_is_too_long_is_cut_with_a_warning() -> None:
     found = list(check(App(data=datum("s", "string", "1", value(value="x" * 129)))))
-    assert [(fault.severity.value, fault.text) for fault in found] == [("warning", "'s' : a string holds 128 bytes, the rest is cut off")]
+    assert [(fault.severity.value, fault.text) for fault in found] == [
+        ("warning", "'s' : a string has at most 128 bytes, the rest is cut off")
+    ]
 
 
 PART = App("part", datum("x", "num") + datum("list", "num", "2"))
@@ -60,7 +62,7 @@ def _part(fields: str) -> App:
 def test_fields_of_a_user_type() -> None:
     good = '<Field name="x" xsi:type="array" type="num" size="1"><Value key="0" value="1" /></Field>'
     assert errors(_part(good), PART) == []
-    assert errors(_part(good.replace('value="1"', 'value="one"')), PART) == [("demo/demo.dtx", 4, "'u' : 'one' is no number")]
+    assert errors(_part(good.replace('value="1"', 'value="one"')), PART) == [("demo/demo.dtx", 4, "'u' : 'one' is not a number")]
     wrong = errors(_part(good.replace('"num"', '"string"')), PART)
     assert wrong == [("demo/demo.dtx", 4, "'u' : field 'x' : invalid type (string), Part has num")]
     old = list(check(_part(good.replace('"x"', '"gone"')), PART))
@@ -183,9 +185,9 @@ def test_a_key_that_is_there_twice() -> None:
 def test_each_fault_of_a_line_is_named() -> None:
     app = App(data=datum("m", "mdesc", "1", value(vel="fast", blend="round")) + datum("p", "point", "1", value(x="1,5", wrist="up")))
     assert [text for _, _, text in errors(app)] == [
-        "'m' : 'fast' is no number",
+        "'m' : 'fast' is not a number",
         "'m' : blend 'round': there are off, joint, Cartesian",
-        "'p' : '1,5' is no number",
+        "'p' : '1,5' is not a number",
         "'p' : wrist 'up': there are wpositive, wnegative, wsame, wfree",
     ]
     files = dict(disk(App()).files)

@@ -15,10 +15,10 @@ def warned(mdesc: str) -> list[str]:
 def test_above_the_nominal_speed_accelerations_that_do_not_go_with_it_are_named() -> None:
     """L5654: 120 % goes with 144 %."""
     assert warned(datum("mFast", "mdesc", "1", value(vel=120))) == [
-        "'mFast' : vel 120 % goes with accel and decel of 144 %, not 100 % and 100 %"
+        "'mFast' : vel 120 % does not match accel and decel of 144 %, not 100 % and 100 %"
     ]
     assert warned(datum("mFast", "mdesc", "1", value(vel=120, accel=144, decel=300))) == [
-        "'mFast' : vel 120 % goes with accel and decel of 144 %, not 144 % and 300 %"
+        "'mFast' : vel 120 % does not match accel and decel of 144 %, not 144 % and 300 %"
     ]
 
 
@@ -34,4 +34,4 @@ def test_fields_of_user_types_are_looked_at_too() -> None:
     types = '<Type name="Part" path="Disk://part/part.pjx" />'
     inner = '<Value key="0"><Field name="m" xsi:type="array" type="mdesc" size="1"><Value key="0" vel="150" /></Field></Value>'
     found = check(App(data=datum("job", "Part", "1", inner), types=types), part)
-    assert [each.text for each in found] == ["'m' : vel 150 % goes with accel and decel of 225 %, not 100 % and 100 %"]
+    assert [each.text for each in found] == ["'m' : vel 150 % does not match accel and decel of 225 %, not 100 % and 100 %"]

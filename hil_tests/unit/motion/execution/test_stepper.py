@@ -200,7 +200,7 @@ def test_a_piece_must_start_where_the_axes_will_stand() -> None:
     with pytest.raises(PieceError, match="starts at 4"):
         stepper.load(plan_ptp(TARGET, START, LIMITS))
     stepper.load(piece())
-    with pytest.raises(PieceError, match="which will stand at"):
+    with pytest.raises(PieceError, match="which will be at"):
         stepper.load(piece(2))
     stepper.load(plan_ptp(TARGET, START, LIMITS, piece_id=2))
     assert stepper.step().piece_id == 1

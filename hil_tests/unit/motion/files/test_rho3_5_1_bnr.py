@@ -27,7 +27,7 @@ def test_the_file_of_picture_2_byte_for_byte_in_both_directions() -> None:
     assert [point[0] for point in found] == [struct.unpack("<f", struct.pack("<f", value))[0] for value in VALUES]
     assert found[-1] == (360.0,)
     for axes, offset in ((1, len(PICTURE + DATA) + 4), (1, -4)):
-        with pytest.raises(bnr.BnrError, match="no whole points"):
+        with pytest.raises(bnr.BnrError, match="not a whole number of points"):
             bnr.points(PICTURE + DATA, axes, offset)
 
 
@@ -76,5 +76,5 @@ def test_bytes_that_are_no_file_are_refused() -> None:
     with pytest.raises(BnrError, match="79 bytes"):
         bnr.decode_header(bytes(79))
     for offset, axes in ((81, 1), (85, 1), (-4, 1), (80, 0)):
-        with pytest.raises(BnrError, match="no whole points"):
+        with pytest.raises(BnrError, match="not a whole number of points"):
             bnr.points(bytes(84), axes, offset)

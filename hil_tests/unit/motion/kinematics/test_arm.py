@@ -153,7 +153,7 @@ def test_what_cannot_be_reached_says_why_and_has_its_number() -> None:
     cases = (
         (Pose((0.9, 0.0, 0.4), DOWNWARDS), Unreachable, 530, "from axis 2"),
         (Pose((0.001, 0.0, 0.3), DOWNWARDS), Unreachable, 530, "from axis 1"),
-        (Pose((math.nan, 0.0, 0.4), DOWNWARDS), Unreachable, 530, "no finite number"),
+        (Pose((math.nan, 0.0, 0.4), DOWNWARDS), Unreachable, 530, "not a finite number"),
     )
     for pose, kind, number, words in cases:
         for ask in (robot.inverse, robot.follow):

@@ -56,7 +56,7 @@ def test_a_direction_the_portal_does_not_have_is_532_or_534() -> None:
         ("xyz", tilted, 534, "orientation"),
         ("xyzc", tilted, 534, "orientation"),
         ("xyzcb", tilted, 534, "orientation"),
-        ("xyz", Pose((math.nan, 0.0, 0.0), IDENTITY.rotation), 530, "no finite number"),
+        ("xyz", Pose((math.nan, 0.0, 0.0), IDENTITY.rotation), 530, "not a finite number"),
     ):
         robot = portal(letters)
         with pytest.raises((Unreachable, OutOfLimits)) as fault:

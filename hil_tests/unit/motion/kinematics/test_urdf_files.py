@@ -127,10 +127,10 @@ def test_a_single_joint_is_a_robot() -> None:
 CHAIN = robot_of(joint("one", "revolute", "a", "b"), joint("two", "prismatic", "b", "c"))
 END = "</joint></robot>"
 FAULTS = {
-    "": "no XML",
-    ARM[:700]: "no XML: unclosed token: line 1",
+    "": "not XML",
+    ARM[:700]: "not XML: unclosed token: line 1",
     "<html/>": "its first element is <html>",
-    '<robot name="x"><xacro:arm prefix=""/></robot>': "no XML.*xacro: expand it first",
+    '<robot name="x"><xacro:arm prefix=""/></robot>': "not XML.*xacro: expand it first",
     XACRO + 'name="x"><link name="base"/><xacro:arm/></robot>': "no link or joint 'c'; its links: base; it h.*xacro",
     CHAIN.replace('name="c"', 'name="end"'): "its links: a, b, end",
     CHAIN.replace("0 0 0", "0,1 0 0", 1): "joint 'one' .*origin xyz is '0,1 0 0', not 3 numbers",
@@ -144,7 +144,7 @@ FAULTS = {
     CHAIN.replace('parent link="a"', 'parent link="c"'): "form a loop",
     CHAIN.replace('"two"', '"one"'): "two joints named 'one'",
     CHAIN.replace('child link="c"', 'child link="b"'): "two joints that carry the link 'b'",
-    CHAIN.replace(END, '<mimic joint="three"/>' + END): "'two' of the URDF follows 'three', which is no moving joint",
+    CHAIN.replace(END, '<mimic joint="three"/>' + END): "'two' of the URDF follows 'three', which is not a moving joint",
     CHAIN.replace(END, '<mimic joint="two"/>' + END): "'two' of the URDF follows itself",
     CHAIN.replace(END, '<mimic joint="one" multiplier="x"/>' + END): "mimic multiplier is 'x', not a number",
     CHAIN.replace("prismatic", "fixed"): "2 axes for 1 joints of the URDF: one",

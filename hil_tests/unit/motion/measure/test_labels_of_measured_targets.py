@@ -46,7 +46,7 @@ def test_it_is_written_again_and_needs_a_label_behind_and_something_that_may_be_
     for line, words in (
         ("ptp mpos error=A", "error: label A does not follow the block"),
         ("ptp joints 1 error=A", "error: belongs to until="),
-        ("ptp mpos error=3", "error: '3' is no name"),
+        ("ptp mpos error=3", "error: '3' is not a name"),
     ):
         with pytest.raises(TextFaults) as caught:
             read(head + line)

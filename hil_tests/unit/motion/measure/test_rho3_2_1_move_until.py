@@ -144,7 +144,7 @@ def test_other_channels_are_inadmissable(channel: int) -> None:
 
 @pytest.mark.parametrize("channel", [619, 631, 620, 720])
 def test_inputs_that_are_not_there_are_inadmissable(channel: int) -> None:
-    """P11 gives board 1 eight inputs, board 3 is not fitted, board 2 has no probe."""
+    """P11 states board 1 eight inputs, board 3 is not fitted, board 2 has no probe."""
     with pytest.raises(ProgramFault, match=INADMISSABLE_INPUT):
         admitted(channel, BOARDS)
     assert admitted(618, BOARDS).number == 8 and admitted(710, BOARDS).wire == 610
@@ -196,7 +196,7 @@ def test_history_says_what_it_does_not_know() -> None:
     with pytest.raises(Exception, match="nothing is kept"):
         known.at(0)
     known.add(10, (0.0,))
-    for stamp, q, what in ((10, (0.0,), "come behind"), (20, (float("nan"),), "not all numbers"), (20, (0.0, 1.0), "2 positions")):
+    for stamp, q, what in ((10, (0.0,), "come after"), (20, (float("nan"),), "not all numbers"), (20, (0.0, 1.0), "2 positions")):
         with pytest.raises(Exception, match=what):
             known.add(stamp, q)
     with pytest.raises(Exception, match=r"10 \.\. 10 ns is kept"):

@@ -123,7 +123,7 @@ def test_what_cannot_be_rounded_is_refused() -> None:
         corner(before, after, 0.31, 0.1)
     with pytest.raises(PathError, match="do not meet"):
         corner(before, line(point(0, 0, 0), point(0, 1, 0)), 0.1, 0.1)
-    with pytest.raises(PathError, match="goes back"):
+    with pytest.raises(PathError, match="the path reverses here"):
         corner(before, line(point(0.3, 0, 0), point(0, 0, 0)), 0.1, 0.1)
     with pytest.raises(PathError) as refused:
         corner(line(turned(0, 0, 0, 0, 0, 0), turned(0, 0, 0, 0, 0, 0.5)), line(turned(0, 0, 0, 0, 0, 0.5), point(1, 0, 0)), 0.1, 0.1)

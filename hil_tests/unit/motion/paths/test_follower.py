@@ -274,12 +274,12 @@ def test_pieces_that_do_not_go_on_are_refused() -> None:
     assert not joined([pieces[0], pieces[2]])
     follower = Follower(3, MS)
     follower.load(pieces[0])
-    with pytest.raises(PieceError, match="goes on at"):
+    with pytest.raises(PieceError, match="continues at"):
         follower.load(pieces[2])
     with pytest.raises(PieceError, match="ids must rise"):
         follower.load(pieces[0])
     stepper = Stepper(3, MS, (1.0, 0.0, 0.0))
-    with pytest.raises(PieceError, match="will stand at"):
+    with pytest.raises(PieceError, match="will be at"):
         stepper.load(pieces[0])
     with pytest.raises(PieceError, match="does not exist"):
         Stepper(2, MS).load(pieces[0])

@@ -60,7 +60,7 @@ def test_a_line_that_only_turns_runs_in_radians() -> None:
 def test_lines_that_are_none_are_refused() -> None:
     with pytest.raises(PathError, match="same pose"):
         line(point(1, 2, 3), point(1, 2, 3))
-    with pytest.raises(PathError, match="no number"):
+    with pytest.raises(PathError, match="not a number"):
         line(point(1, 2, 3), point(1, math.nan, 3))
     with pytest.raises(PathError) as refused:
         line(point(0, 0, 0), turned(1, 0, 0, math.pi, 0, 0))

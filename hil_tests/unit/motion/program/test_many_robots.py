@@ -122,7 +122,7 @@ def test_the_check_counts_them_and_refuses_one_more(tmp_path: pathlib.Path) -> N
     cell = load_cell(str(cell_file(tmp_path)))
     assert plan_programs(cell)[1].mask == EVERY and len(cell.robot) == 16
     (said,) = (notice.text for notice in cell.notes if notice.where == "modbus plc" and "command block" in notice.text)
-    assert "up to axis 12 (Y6) alone; bits 0..14 of its masks are axes 1..15, bit 15 is Y8 and all behind it" in said
+    assert "up to axis 12 (Y6) only; bits 0..14 of its masks are axes 1..15, bit 15 is Y8 and all after it" in said
     with pytest.raises(CellFaults, match="axis = 33 axes: allowed at most 32"):
         load_cell(str(cell_file(tmp_path, more_axes=1)))
     with pytest.raises(

@@ -168,7 +168,7 @@ ERRORS = [
     ("read_begin turn.bnr", "turn.bnr", "", 101, "axis M: MF: MOD-Flag n. init.: none: 5 values"),
     ("read_begin turn.bnr", "turn.bnr", "modulo=0,0,-,0,0", 101, "axis S2: MF: MOD-Flag n. init.: 0, 0, not set, 0, 0"),
     ("read_begin fast.bnr", "fast.bnr", KEEP, 0, "axis M: fast.bnr: speed to point"),
-    ("read_begin long.bnr", "long.bnr", KEEP, 0, "a file of 20000 points: one block takes at most"),
+    ("read_begin long.bnr", "long.bnr", KEEP, 0, "a file of 20000 points: one block has at most"),
     ("read_begin quarter.bnr", "quarter.bnr", "modulo=0,1,0,0,0", 0, "axis S1: quarter.bnr: modulo flag 1, and 90 deg at its end"),
     ("read_begin no.bnr", "no.bnr", KEEP, 0, "move_file no.bnr: no such file"),
 ]
@@ -230,11 +230,11 @@ def test_words_are_read_and_written_and_reported_with_line_and_key() -> None:
     assert [block.file.offset for block in program.blocks if block.file] == [80, 92, None]
     assert same_program(read(write(program)), program)
     for line, says in [
-        ("move_file", "move_file: '' is no name"),
-        ("move_file a.bnr speed=3", "speed: move_file takes base= and modulo= alone"),
+        ("move_file", "move_file: '' is not a name"),
+        ("move_file a.bnr speed=3", "speed: move_file accepts only base= and modulo="),
         ("move_file a.bnr base=1.5", "base: 1.5"),
-        ("move_file a.bnr modulo=0,x", "modulo: 'x' is no number"),
-        ("read_begin ../a.bnr", "read_begin: '../a.bnr' is no name"),
+        ("move_file a.bnr modulo=0,x", "modulo: 'x' is not a number"),
+        ("read_begin ../a.bnr", "read_begin: '../a.bnr' is not a name"),
         ("read_begin a.bnr -1", "read_begin: -1 is outside"),
         ("read_begin a.bnr 80.5", "a whole number of bytes"),
         ("alter frame -\nmove_file a.bnr\nalter_end", "move_file: is not allowed in synchronous and alter sections"),

@@ -220,7 +220,7 @@ def test_words_are_read_and_written_and_reported_with_line_and_key() -> None:
     )
     program = read(HEAD + lines)
     assert same_program(read(write(program, "rho3")), program)
-    assert "line 5: set_latch: dIn0 is no fast input, fIn0 and fIn1 are (VAL 3 70)" in told("set_latch dIn0\nptp joints 1 1 1 1")
+    assert "line 5: set_latch: dIn0 is not a fast input, fIn0 and fIn1 are (VAL 3 70)" in told("set_latch dIn0\nptp joints 1 1 1 1")
     assert "set_latch: begins with a block" in told("set_latch fIn0")
     assert "record_on: measuring system from 1 on" in told("record_on 0 5mm") and "13mm" in told("record_on 1")
     assert "record_on: 0.5: a whole number of cycles" in told("record_on 1 0.5cycles")

@@ -142,7 +142,7 @@ def test_blocks_that_no_text_made_are_refused_in_words() -> None:
     for kind, shift, says in [
         (Interpolation.SPLINE, Shift((0.0,) * 6, RHO3), "ptp and linear"),
         (Interpolation.CIRCULAR, Shift((0.0,) * 6, RHO3), "ptp and linear"),
-        (Interpolation.LINEAR, Shift((math.inf, 0.0, 0.0, 0.0, 0.0, 0.0), RHO3), "no finite number"),
+        (Interpolation.LINEAR, Shift((math.inf, 0.0, 0.0, 0.0, 0.0, 0.0), RHO3), "not a finite number"),
         (Interpolation.LINEAR, Shift((1.0, 2.0), RHO3), "six are needed"),
         (Interpolation.PTP, Shift((0.0, 0.0)), "2 joint values, the robot has 3"),
     ]:

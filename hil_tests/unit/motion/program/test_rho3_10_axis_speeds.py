@@ -90,7 +90,7 @@ def test_p306_of_a_kinematic_is_too_fast_of_its_robot() -> None:
     assert [modes(f"P306 = [ {{ monitoring = {mode} }} ]", "")[0] for mode in range(4)] == wanted
     for rho3, robots, words in (
         ("P306 = [ { monitoring = 4 } ]", "", "0..3"),
-        ("P306 = [ { monitoring = 3 } ]", 'too_fast = "abort"\n', "P306[1].monitoring sets the same thing"),
+        ("P306 = [ { monitoring = 3 } ]", 'too_fast = "abort"\n', "P306[1].monitoring sets the same"),
         ("P306 = [ {}, {} ]", "", "1 [[robot]] tables"),
         ("P306 = [ { rtyp = 3 } ]", "", "rtyp"),
     ):

@@ -118,7 +118,7 @@ def test_the_dry_run_goes_on_from_the_new_numbers_and_sees_no_movement_in_them()
 def test_words_are_reported_with_line_kinematic_and_key() -> None:
     for line, says in (
         ("kinematic arm\nmach_pos joints 1 2", "line 8: mach_pos: kinematic arm: 2 values; 6 axes"),
-        ("mach_pos joints 1 2 3 4\nlabel X\n" + HOME, "line 8: label: X has to stand before sync, mach_pos and belt functions"),
+        ("mach_pos joints 1 2 3 4\nlabel X\n" + HOME, "line 8: label: X must be before sync, mach_pos and belt functions"),
     ):
         with pytest.raises(TextFaults) as caught:
             read_team(HEAD + line)

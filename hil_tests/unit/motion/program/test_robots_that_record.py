@@ -81,7 +81,7 @@ def test_a_call_begins_with_the_next_block_of_the_kinematic_named_last_and_is_ca
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("move arm ptp recorded 1 and scara ptp recorded 1", "block 1: one kinematic alone of a shared block goes to an entry"),
+        ("move arm ptp recorded 1 and scara ptp recorded 1", "block 1: only one kinematic of a shared block can move to an entry"),
         ("kinematic scara\nrecord_on 11 5mm\nlinear rel pose 5 0 0 0 0 0", "block 1: Inadmiss. meas. sys. 11: 1 .. 10 exist (rho 3 91)"),
         (f"move {AWAY[0]} until=464\nmove arm ptp recorded 1\nmove arm ptp mpos", "block 3, axis J1: point not defined"),
         (f"kinematic arm\nrecord_off\nmove {AWAY[1]}", "record_off: kinematic arm: begins with a block, and none follows"),

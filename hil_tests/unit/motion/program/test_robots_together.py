@@ -124,7 +124,7 @@ MANY = ROBOTS + '[[robot]]\nkinematics = "arm6"\nmodel = "tx60-like"\nname = "ot
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (cell_text(robots=MANY), "robot tx60-like has 6 axes, 0 are left behind those of the robots before it"),
+        (cell_text(robots=MANY), "robot tx60-like has 6 axes, 0 are left after those of the robots before it"),
         (cell_text().replace('= "scara"\n\n[[program]]', '= "arm"\n\n[[program]]'), "another robot has this name"),
         (cell_text().replace('= "arm"', '= ""'), "programs name each of several robots"),
         (cell_text().replace('= "arm"', '= "left"'), "kinematic arm: no .*robot.* has this name; this cell has left .tx60-like., scara"),

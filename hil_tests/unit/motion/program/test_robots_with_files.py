@@ -113,7 +113,7 @@ def test_a_stop_stays_on_the_curve_and_functions_begin_with_it(home: Planned) ->
         ),
         ([f"move {AWAY[1]}", *SCARA_RUNS], "block 2, axis S1: kinematic scara: scara.bnr: speed to point 1"),
         ([*SCARA_RUNS, "read_begin no.bnr", "move_file no.bnr"], "line 11: block 2: move_file no.bnr: no such file"),
-        (["move scara linear rel pose 0 0 0 0 0 0 out=400:1", *SCARA_RUNS], "block 1: what the block begins or ends with needs a way"),
+        (["move scara linear rel pose 0 0 0 0 0 0 out=400:1", *SCARA_RUNS], "block 1: this action needs a motion to attach to"),
     ],
 )
 def test_a_cell_reports_errors_with_line_block_and_kinematic_before_anything_moves(home: Planned, lines: list[str], words: str) -> None:
@@ -145,10 +145,10 @@ def test_the_dry_run_runs_it_point_by_point_and_what_follows_begins_where_it_end
 
 def test_words_are_reported_with_line_kinematic_and_key() -> None:
     for line, says in (
-        ("move_file a.bnr speed=3", "line 8: speed: kinematic scara: move_file takes base= and modulo= alone"),
+        ("move_file a.bnr speed=3", "line 8: speed: kinematic scara: move_file accepts only base= and modulo="),
         (
             "move arm move_file a.bnr and scara ptp joints 0 0 0 0",
-            "move_file: one kinematic alone runs a file, in a line of its own: kinematic arm,",
+            "move_file: only one kinematic runs a file, in its own line: kinematic arm,",
         ),
     ):
         with pytest.raises(TextFaults) as caught:

@@ -185,7 +185,7 @@ def test_faults_name_block_kinematic_and_axis_and_nothing_of_the_block_is_taken(
     assert route.position == pytest.approx((0.1, 0, 0, 0, 0.05, 0), abs=1e-12)
     assert route.add(together(line(200), None)) == 2
     for block, words in (
-        (together(Block(Interpolation.SPLINE, at(1)), line(5)), "alone"),
+        (together(Block(Interpolation.SPLINE, at(1)), line(5)), "only"),
         (together(replace(line(9), pace=Pace(time=1.0)), replace(line(8), pace=Pace(time=2.0))), "one time"),
         (together(*(replace(line(9, 9), outputs=(Output(3, 1, 0.001),)) for _ in "12")), "one kinematic"),
         (together(line(7)), "kinematics"),

@@ -72,8 +72,8 @@ def test_a_program_written_is_read_back_the_same() -> None:
         ("move middle linear A", "line 18: kinematic: 'middle' is unknown; left, right"),
         ("move left linear A and left linear A", "line 18: move: left is used twice in one block"),
         ("move linear A", "line 18: move: NAME and one of ptp, linear, circular, spline, then its target; `and` between two kinematics"),
-        ("kinematic third portal", "line 18: kinematic: third has to stand before the first move"),
-        ("kinematic other", "line 18: kinematic: 'other' is unknown: kinematic NAME ROBOT, with its robot file, comes first"),
+        ("kinematic third portal", "line 18: kinematic: third must be before the first move"),
+        ("kinematic other", "line 18: kinematic: 'other' is unknown: write kinematic NAME ROBOT, with its robot file, first"),
         ("robot portal", "line 18: robot: `kinematic NAME ROBOT` names the robot of each kinematic"),
         ("label X\nmove left linear A until=3 error=X", "line 19: error: label X does not follow the block"),
         ("circle A", "line 18: circle: no statement of a program of several kinematics; program, kinematic, angles,"),
@@ -81,11 +81,11 @@ def test_a_program_written_is_read_back_the_same() -> None:
         ("synchron_end", "line 18: synchron_end: kinematic left: ends no synchronous part; `synchron BELT` begins one"),
         (
             "synchron B1\nmove right linear mpos",
-            "line 19: move: kinematic left is on a belt or corrected and moves alone, right cannot: synchron_end",
+            "line 19: move: kinematic left is on a belt or corrected and moves alone, right cannot: write synchron_end",
         ),
         (
             "alter frame -\nmove right linear mpos",
-            "line 19: move: kinematic left is on a belt or corrected and moves alone, right cannot: alter_end",
+            "line 19: move: kinematic left is on a belt or corrected and moves alone, right cannot: write alter_end",
         ),
         ("synchron B1\nkinematic right\nsync B1 >= 1mm", "line 20: sync: kinematic left is on a belt or corrected and moves alone, right"),
     ],
@@ -98,9 +98,9 @@ def test_a_fault_is_reported_with_its_line_key_and_kinematic(line: str, words: s
 
 
 def test_no_kinematic_or_no_start_is_reported() -> None:
-    with pytest.raises(TextFaults, match="kinematic: none: `kinematic NAME ROBOT` comes first"):
+    with pytest.raises(TextFaults, match="kinematic: none: write `kinematic NAME ROBOT` first"):
         read_team("start 1 2\nkinematic a portal\nstart 0 0 0 0\n")
-    with pytest.raises(TextFaults, match="start: is missing: where the axes of kinematic b stand"):
+    with pytest.raises(TextFaults, match="start: is missing: where the axes of kinematic b are"):
         read_team("kinematic a portal\nstart 0 0 0 0\nkinematic b portal\n")
 
 

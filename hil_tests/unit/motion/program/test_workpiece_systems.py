@@ -159,7 +159,7 @@ def test_components_the_machine_has_none_for_are_not_corrected(cell: Portal) -> 
         ("P313 = [[1, 2, 3]]", "", "P313"),
         ("P313 = 3", "", "P313"),
         ("P313 = [[1, 2, 3, 0, 0, 0], [1, 2, 3, 0, 0, 0]]", "", "1 [[robot]] tables"),
-        ("P313 = [[1, 2, 3, 0, 0, 0]]", 'corrects = "xyz"\n', "sets the same thing"),
+        ("P313 = [[1, 2, 3, 0, 0, 0]]", 'corrects = "xyz"\n', "sets the same"),
         ("", 'corrects = "yx"\n', "letters of xyzabc in this order"),
     ):
         with pytest.raises(CellFaults) as caught:
@@ -194,8 +194,8 @@ def test_each_of_several_kinematics_has_its_own() -> None:
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("wc_frame FIX 1 2 3", "wc_frame: six numbers are needed (dx dy dz mm, da db dc deg), 3 are there"),
-        ("wc_frame WC_UR 0 0 0 0 0 0", "wc_frame: WC_UR is there already"),
+        ("wc_frame FIX 1 2 3", "wc_frame: six numbers are needed (dx dy dz mm, da db dc deg), found 3"),
+        ("wc_frame WC_UR 0 0 0 0 0 0", "wc_frame: WC_UR exists already"),
         ("wc_frame THIRTEEN_CHAR 0 0 0 0 0 0", "a name has at most 12 characters"),
         ("wc_frame FIX 0 0 0 0 0 nan", "wc_frame: nan is outside"),
         ("wc_system FIX", "wc_system: 'FIX' is unknown; WC_UR are known"),

@@ -153,7 +153,7 @@ def test_a_belt_that_runs_back_before_the_start_gives_928_528_and_opens_ready() 
     part = part_of(standing)
     part.add(block(150, 200))
     follow(standing, part, -15.0, 10)
-    assert part.phase is Phase.WAITING, "hunting below the threshold is no running back"
+    assert part.phase is Phase.WAITING, "hunting below the threshold is not a running back"
 
 
 @pytest.mark.requirement("RHO-MOT-25", by="motion.sync.synchronous_part:SynchronPart.add")

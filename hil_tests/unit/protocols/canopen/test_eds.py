@@ -46,7 +46,7 @@ def test_every_fault_of_a_dirty_file_is_named_with_line_and_consequence() -> Non
     told = [(fault.section, fault.what.split(" (")[0].split(":")[0], fault.taken) for fault in DIRTY_FAULTS]
     assert told == [
         ("DeviceInfo", "vendornumber is missing or empty", "read as 0"),
-        ("DeviceInfo", "revisionnumber=1.0 is no number", "read as 0"),
+        ("DeviceInfo", "revisionnumber=1.0 is not a number", "read as 0"),
         ("1001", "ParameterName is missing or empty", "called 'object 1001h'"),
         ("OptionalObjects", "object 60E9h is listed but not described", "it does not exist"),
         ("1016SUB4", "section without closing bracket", "read as [1016SUB4]"),
@@ -73,7 +73,7 @@ def test_every_fault_of_a_dirty_file_is_named_with_line_and_consequence() -> Non
 
 
 def test_what_is_only_unusual_is_read_without_a_word() -> None:
-    """BOM, CR LF, spaces, remarks behind values, $NodeId behind the number, h for hexadecimal, two's complement, octal, CompactSubObj."""
+    """BOM, CR LF, spaces, remarks behind values, $NodeId after the number, h for hexadecimal, two's complement, octal, CompactSubObj."""
     entries = DIRTY_DICTIONARY.entries
     assert entries[0x1014, 0].default_of(5) == 0x85 and entries[0x1014, 0].relative
     assert entries[0x1400, 1].default_of(5) == 0x205

@@ -111,9 +111,9 @@ def test_a_byte_too_few_and_a_byte_too_many_are_reported_with_the_bytes(length: 
 
 
 def test_identifiers_of_the_other_direction_are_refused() -> None:
-    with pytest.raises(DecodeError, match="610 is no set value"):
+    with pytest.raises(DecodeError, match="610 is not a set value"):
         CODEC.decode_set(Frame(610, bytes(8)))
-    with pytest.raises(DecodeError, match="210 is no actual value"):
+    with pytest.raises(DecodeError, match="210 is not an actual value"):
         CODEC.decode_actual(Frame(210, bytes(8)))
 
 

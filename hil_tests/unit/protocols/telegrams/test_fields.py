@@ -57,9 +57,9 @@ def test_a_field_reads_only_its_own_bytes() -> None:
     [
         (Field(Kind.INTEGER, "order.number", 4), "00 00 00 00 01 02 03", "order.number: bytes 4..7 expected, the block has 7"),
         (Field(Kind.BINARY, "v", 0), "02", "BINARY is 0 or 1, 02h received"),
-        (Field(Kind.REAL, "v", 0, order=BIG), "7f c0 00 00", "is no number"),
-        (Field(Kind.REAL, "v", 0, order=BIG), "ff 80 00 00", "is no number"),
-        (Field(Kind.REAL, "v", 0, scale=1e300, order=BIG), "7f 7f ff ff", "is no number"),
+        (Field(Kind.REAL, "v", 0, order=BIG), "7f c0 00 00", "is not a number"),
+        (Field(Kind.REAL, "v", 0, order=BIG), "ff 80 00 00", "is not a number"),
+        (Field(Kind.REAL, "v", 0, scale=1e300, order=BIG), "7f 7f ff ff", "is not a number"),
         (Field(Kind.KF, "v", 0, order=BIG, low=0.0, high=10.0, unit="mm"), "00 0b", "v = 11 is outside 0..10 mm: 00 0b"),
         (Field(Kind.KF, "v", 0, order=BIG, low=0.0), "ff ff", "v = -1 is outside 0..32767"),
     ],

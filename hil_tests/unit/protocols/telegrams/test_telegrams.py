@@ -1,4 +1,4 @@
-"""users.md 3.5, `[[telegram]]`: the host's ORDER and the cell's DONE, by hand byte by byte; and everything that is no ORDER."""
+"""users.md 3.5, `[[telegram]]`: the host's ORDER and the cell's DONE, by hand byte by byte; and everything that is not an ORDER."""
 
 import pytest
 
@@ -41,7 +41,7 @@ def test_what_is_no_order_is_counted_and_nothing_of_it_is_taken() -> None:
     reader = Reader([ORDER])
     assert reader.block(BLOCK[:-1]) == Refused("ORDER", "17 bytes received, 18 expected")
     nan = BLOCK[:12] + bytes.fromhex("0000c07f") + BLOCK[16:]
-    assert reader.block(nan) == Refused("ORDER", "order.height: 00 00 c0 7f is no number (REAL)")
+    assert reader.block(nan) == Refused("ORDER", "order.height: 00 00 c0 7f is not a number (REAL)")
     assert reader.block(b"\0\0XX") == Unknown(b"\0\0XX")
     assert reader.block(b"") == Unknown(b"")
     assert reader.refused == {"ORDER": 2} and reader.unknown == 2 and reader.received == {"ORDER": 0}

@@ -129,7 +129,7 @@ def _rate(number: int, bus: BusSetup) -> Iterator[Finding]:
 def _overflow(number: int, bus: BusSetup) -> Iterator[Finding]:
     if bus.axes > AXES:
         yield Finding(
-            OVERFLOW, TEXTS[OVERFLOW], "P401", f"{bus.axes} axes", f"at most {AXES} axes on a bus; take the other one for axes 7..12"
+            OVERFLOW, TEXTS[OVERFLOW], "P401", f"{bus.axes} axes", f"at most {AXES} axes on a bus; use the other one for axes 7..12"
         )
     for side, most in ((Side.INPUT, INPUT_BLOCKS), (Side.OUTPUT, OUTPUT_BLOCKS)):
         count = bus.announced(side)
@@ -161,9 +161,9 @@ def _identifiers(number: int, bus: BusSetup) -> Iterator[Finding]:
         for block in bus.blocks(side):
             key, value = side.value, f"bus, id = {(number, block.identifier)}"
             if side is Side.OUTPUT and block.identifier not in OUTPUT_IDS:
-                yield Finding(UNDEFINED, TEXTS[UNDEFINED], key, f"id = {block.identifier}", "outputs leave under 471..480")
+                yield Finding(UNDEFINED, TEXTS[UNDEFINED], key, f"id = {block.identifier}", "outputs are sent with 471..480")
             elif side is Side.INPUT and block.identifier not in INPUT_IDS and block.identifier not in OUTPUT_IDS:
-                hint = "modules send 541..550; 471..480 couples another rho 3"
+                hint = "modules send 541..550; 471..480 connects another rho 3"
                 yield Finding(UNDEFINED, TEXTS[UNDEFINED], key, f"id = {block.identifier}", hint)
             if block.identifier in seen:
                 hint = "this identifier is used twice on its bus; two controls on a bus must not send the same one (L10998)"

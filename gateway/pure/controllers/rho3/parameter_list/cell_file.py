@@ -24,7 +24,7 @@ FIELDS: tuple[tuple[str, str], ...] = (  # label of P401 -> key of [[rho3.P401]]
     (r"set.?point output|set value output|sollwert.?ausgang", "output"),
 )
 NO_AXIS = "no axis precedes it (A_1 ...)"
-NO_NUMBER = "its value is no number"
+NO_NUMBER = "its value is not a number"
 PULSES = {16384: 1, 8192: 2, 4096: 3}  # L7586-7588
 RANGES = ("i.start", "i.end", "o.start", "o.end")
 BLOCK = re.compile(r"block\s*(\d)", re.IGNORECASE)
@@ -138,7 +138,7 @@ def _range(entry: Entry, kept: Collected) -> str:
         kept.ranges |= {each: _whole(value) for each, value in zip(RANGES, entry.values, strict=True)}
         return ""
     if not label:
-        return "none of I.START, I.END, O.START, O.END, nor four numbers"
+        return "neither one of I.START, I.END, O.START, O.END nor four numbers"
     kept.ranges[label] = _whole(entry.values[0])
     return _number(entry)
 
@@ -230,7 +230,7 @@ def _name_unwritten(kept: Collected, axes: list[int], report: Report) -> None:
         lacking = [axis for axis in axes if axis not in values]
         if lacking and set(values) & set(axes) and number not in NEEDED:
             there = _listed(axis for axis in axes if axis in values)
-            report.missing.append(f"P{number} of axis {_listed(lacking)}: values of axis {there} alone are not written")
+            report.missing.append(f"P{number} of axis {_listed(lacking)}: values of axis {there} only are not written")
     for axis, numbers in sorted(without.items()) if axes else ():
         report.missing.append(f"P401 of axis {axis}: {', '.join(numbers)} have values of it; without it the axis is not in the file")
     if kept.ranges and len(kept.ranges) < len(RANGES):
@@ -253,7 +253,7 @@ def _listed(axes: Iterable[int]) -> str:
 def _complete_system(axis: int, system: dict[str, float], report: Report) -> None:
     pulses = system.get("pulses")
     if pulses not in PULSES:
-        said = "not in the list" if pulses is None else f"{pulses:g}, which is none of 16384, 8192, 4096"
+        said = "not in the list" if pulses is None else f"{pulses:g}, which is not one of 16384, 8192, 4096"
         report.assumed.append(f"P401 of axis {axis}: pulses/rotation {said}: 16384")
         pulses = 16384
     system["pulses"] = PULSES[int(pulses)]

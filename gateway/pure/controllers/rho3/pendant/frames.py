@@ -158,7 +158,7 @@ def parse(output: bytes) -> tuple[int, list[Part]]:
         part, place = _part(output, place)
         parts.append(part)
     if place != len(output):
-        raise FrameError(f"{len(output) - place} bytes behind SC_ENDE")
+        raise FrameError(f"{len(output) - place} bytes after SC_ENDE")
     return mask, parts
 
 
@@ -169,7 +169,7 @@ def _part(output: bytes, place: int) -> tuple[Part, int]:
     try:
         command = Command(head[0])
     except ValueError as error:
-        raise FrameError(f"byte {place}: {head[0]} is no command") from error
+        raise FrameError(f"byte {place}: {head[0]} is not a command") from error
     end = place + 2 + head[1]
     if command is Command.TEXT:
         end = output.find(b"\0", place + 2, end) + 1

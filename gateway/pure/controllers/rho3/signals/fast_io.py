@@ -184,7 +184,7 @@ class Channels:
             self.fast.wired(1, self.terminals)
 
     def read(self, channel: int) -> bool:
-        """InputFault: there is none, or P11 does not have it."""
+        """InputFault: there is none, or it is not in P11."""
         if 1 <= channel <= INPUTS:
             return self._user.read(channel)
         if self.multi is not None and channel >= 800:

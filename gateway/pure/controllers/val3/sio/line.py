@@ -116,7 +116,7 @@ class Line:
         for call in [*self._opening, *(call for one in self.connections() for call in (*one.readers, *one.writers))]:
             if call.sio is sio:
                 done += [*self.cancel(call), call]
-                call.stop(Val3Error(Rte.NOT_LINKED, f"{sio} was deleted or linked anew"))
+                call.stop(Val3Error(Rte.NOT_LINKED, f"{sio} was deleted or linked again"))
         if sio in self._own:
             done += self._close(self._own[sio], "its variable is gone")
         if not self.variables and self.channel.kind is not Kind.SERIAL:

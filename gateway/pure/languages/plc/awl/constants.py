@@ -20,7 +20,7 @@ COUNT = re.compile(r"(?:KZ|KC|C#)\s*(\d{1,3})\b")
 PAIR = re.compile(r"(?:KY|B#\()\s*(\d{1,3})\s*,\s*(\d{1,3})")
 
 
-NO_CONSTANT = "no constant and no byte that the integrated PLC loads"
+NO_CONSTANT = "neither a constant nor a byte that the integrated PLC loads"
 NO_TIME = "a time has up to three digits, a point and a time base from 0 to 3 (KT 050.1)"
 
 

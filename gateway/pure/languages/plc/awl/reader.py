@@ -201,7 +201,7 @@ class Reader:
         self.found.refused.append(Refused(number, self._block.name if self._block else "", text[:100], reason))
 
     def _refused(self, number: int, label: str, text: str, reason: str) -> None:
-        """A line that is no statement; its place in the block is kept."""
+        """A line that is not a statement; its place in the block is kept."""
         self._refuse(number, text, reason)
         self._add(Statement(number, label, "?", reason, text))
 
@@ -216,7 +216,7 @@ class Reader:
         if self._named(label, rest):
             return
         if self._printed and ":" not in body:
-            self.found.notes.append(f"line {number}: {part[:60]!r} is taken as print: it has no ':'")
+            self.found.notes.append(f"line {number}: {part[:60]!r} is read as print: it has no ':'")
             return
         if label and ((self.step7 and ":=" in body) or PARAMETER.match(rest) or DECLARES.match(body)):
             self._refused(number, "", part, "subprograms of the integrated PLC have no parameters")
@@ -230,10 +230,10 @@ class Reader:
             rest = meant
         word = WORD.match(rest)
         if word is None:
-            self._refused(number, label, part, "this line is no statement of STEP 5 or STEP 7")
+            self._refused(number, label, part, "this line is not a statement of STEP 5 or STEP 7")
             return
         if MORE.search(f" {word[2]}" if word[1] in ("(", ")") or word[1].endswith("(") else word[2]):
-            self._refused(number, label, part, "there is more than one statement in the line; write one a line")
+            self._refused(number, label, part, "there is more than one statement in the line; write one per line")
             return
         self._add(self._normal(number, label, word[1].upper(), word[2].strip(), part))
 

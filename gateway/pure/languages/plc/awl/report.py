@@ -41,7 +41,7 @@ def words_of(table: str) -> tuple[Mapping[str, str], list[str]]:
         if not text:
             continue
         row = ROW.match(text)
-        reason = _wrong_row(row[1], row[2], found) if row else f"{text[:60]!r} is no row; write DB10.DW5 = M200"
+        reason = _wrong_row(row[1], row[2], found) if row else f"{text[:60]!r} is not a row; write DB10.DW5 = M200"
         if row and not reason:
             found[row[1]] = row[2]
         else:
@@ -60,11 +60,11 @@ def _wrong_row(word: str, marker: str, found: Mapping[str, str]) -> str:
         return f"{marker} is in the table twice"
     first, last = _taken(word, marker)
     if last > LAST_FREE:
-        return f"{word} = {marker}: M0 to M{LAST_FREE} are free, and {word} takes {last - first + 1}"
+        return f"{word} = {marker}: M0 to M{LAST_FREE} are free, and {word} needs {last - first + 1}"
     for other, there in found.items():
         begin, end = _taken(other, there)
         if not bit and "." not in there and first <= end and begin <= last:
-            return f"{word} = {marker} overlaps {other} = {there}, which takes M{begin} to M{end}"
+            return f"{word} = {marker} overlaps {other} = {there}, which uses M{begin} to M{end}"
     return ""
 
 
@@ -130,7 +130,7 @@ def imported(text: str, table: str = "", present: Collection[str] = ()) -> Impor
         if translator.narrow:
             result.notes.append(f"{block.name}: {NARROW} {', '.join(str(line) for line in sorted(set(translator.narrow)) if line)}")
         if block.name.startswith("OB") and block.name != "OB1":
-            result.notes.append(f"{block.name}: the integrated PLC calls OB1 alone; call it with SU, at power-on with U M1020.4")
+            result.notes.append(f"{block.name}: the integrated PLC calls OB1 only; call it with SU, at power-on with U M1020.4")
     result.missing = sorted(name for name in calls if name not in result.programs and name not in present)
     result.notes += [f"{name} is called in {calls[name]} and is not in the list; import it too, or write it" for name in result.missing]
     result.refused.sort(key=lambda each: each.line)

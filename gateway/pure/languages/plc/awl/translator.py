@@ -256,7 +256,7 @@ class Translator:
         self._close_or()
         if word == "NOT":
             if self._fresh:
-                raise NoCounterpart("NOT behind the end of a chain; invert the chain itself")
+                raise NoCounterpart("NOT after the end of a chain; invert the chain itself")
             self.lines += ["XO(", *ONE, ")"]
             return
         word_next = "" if self._next is None else self._next.word
@@ -342,7 +342,7 @@ class Translator:
         elif CELL.match(operand):
             raise NoCounterpart(REASONS["LC"])
         elif re.match(r"P[YEAW]|P[EA][BWD]|QB|QW", operand):
-            raise NoCounterpart("peripheral bytes are read as E alone")
+            raise NoCounterpart("peripheral bytes are read as E only")
         elif found := TABLED.match(operand):
             self.lines.append(f"{'L' if found[2] in ('DL', 'DR', 'DBB') else 'LD'} {self._tabled(operand)}")
         elif (constant := constant_of(operand, self.english)) is not None:

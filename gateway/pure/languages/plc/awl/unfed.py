@@ -49,4 +49,4 @@ def unfed(name: str, statements: Collection[Statement], refused: Collection[int]
         missing = accumulators.after(statement, statement.line in refused)
         if missing and statement.line not in refused:
             where = f"line {statement.line} ({name}): {statement.text[:60]}"
-            yield f"{where}: uses what line {missing} would have given, which is not translated"
+            yield f"{where}: uses what line {missing} would have loaded, which is not translated"

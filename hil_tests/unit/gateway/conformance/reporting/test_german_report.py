@@ -21,7 +21,7 @@ ALIKE = re.compile(
     r"X|\b[0-9A-F]+h?\b|\b[A-Z]{3,}\b|_ON\b|within|it sends|is\b|in\b"
 )  # the same in both languages, or with what is filled in
 WITH_VALUES = (  # their German stands with what is filled in
-    *("X, expected X (X)", "X cannot send X", "X reads otherwiseX", "it X in X conflicts, then it X", "X is executed"),
+    *("X, expected X (X)", "X cannot send X", "X reads differentlyX", "it X in X conflicts, then it X", "X is executed"),
     *("state X (X)", "X (xxXh)", "X was not answered", "X was sent again at once"),
 )
 

@@ -137,7 +137,7 @@ def test_a_diagnosis_in_german(partner: str) -> None:
     for finding in judge(seen):
         text = in_language(finding.text, "de")
         assert text != finding.text, finding
-        assert "hoch" not in in_language(finding.todo, "de"), "what is typed into a cell is no German"
+        assert "hoch" not in in_language(finding.todo, "de"), "what is typed into a cell is not a German"
         assert not {"the", "is", "every", "answers", "partner's"} & set(text.split()), text
 
 

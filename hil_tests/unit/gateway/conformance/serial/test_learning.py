@@ -103,7 +103,7 @@ def test_a_side_that_includes_stx_and_raw_blocks_are_named() -> None:
     lines += ["5000000 A 02\n", "6000000 B 10\n", f"7000000 A {wire_block(b'HELLO').hex()}\n", "8000000 B 10\n"]
     cell = draft(learn(decoded("".join(lines))), "x", 9600, "8E1")
     assert "1 block checks are off by 02h" in cell
-    assert "1 blocks are no RK512, the first: 48 45 4c 4c 4f" in cell
+    assert "1 blocks are not RK512, the first: 48 45 4c 4c 4f" in cell
     assert 'layer    = "telegrams"' in cell
 
 

@@ -1,4 +1,4 @@
-"""`axisgate line` as it is typed: what is no number, no port, no record; what a pulled adapter, a full disk and Ctrl-C leave behind."""
+"""`axisgate line` as it is typed: what is not a number, no port, no record; what a pulled adapter, a full disk and Ctrl-C leave behind."""
 
 import contextlib
 import errno
@@ -75,7 +75,7 @@ def test_a_device_in_the_place_of_a_trace_is_not_read_for_ever(pty: tuple[int, s
         assert code == 2 and "a file expected; --tap A,B listens live" in told
 
 
-@pytest.mark.parametrize("port, why", [("/dev/null", "is no serial port"), ("/dev", "is a folder; name a serial port")])
+@pytest.mark.parametrize("port, why", [("/dev/null", "is not a serial port"), ("/dev", "is a folder; name a serial port")])
 def test_what_is_no_serial_port_is_named_so(port: str, why: str) -> None:
     code, _, told = axisgate("fetch", port, "DB10.DW0")
     assert code == 3 and f"serial port {port}: {why}" in told

@@ -200,7 +200,7 @@ def test_every_number_type_is_written_as_a_person_writes_it(kind: str, text: str
         ("KF", ["40000"], "range -32768..32767"),
         ("KX", ["1"], "an S5 float is KG, an IEEE one REAL"),
         ("KY", ["12"], "as in 12,34"),
-        ("KF", ["abc"], "'abc' is no KF"),
+        ("KF", ["abc"], "'abc' is not a KF value"),
         ("KF", [], "no value"),
     ],
 )

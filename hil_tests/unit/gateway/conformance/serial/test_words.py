@@ -78,7 +78,7 @@ def test_one_attempt_is_one() -> None:
 
 def test_a_block_too_long_is_no_full_buffer() -> None:
     client = job.Client(VirtualWire(make("raw", replace(RHO3, max_data=40), Priority.HIGH), CHAR), RHO3, Priority.LOW)
-    with pytest.raises(job.Refused, match="or its 138 characters are more than the partner takes"):
+    with pytest.raises(job.Refused, match="or its 138 characters are more than the partner accepts"):
         client.send(10, 0, bytes(128))
 
 

@@ -36,7 +36,7 @@ def test_a_correct_drive_has_no_fail_and_nothing_undecided(settings: dict[str, A
 
 def test_an_option_code_that_is_fixed_is_not_offered() -> None:
     found = played(("CIA402_PWR_BV_13", "CIA402_PWR_BV_14"), options_fixed=True, quick_option=6)
-    assert found["CIA402_PWR_BV_13"].verdict is Verdict.NA and "605Ah:00 does not take 2" in found["CIA402_PWR_BV_13"].reason
+    assert found["CIA402_PWR_BV_13"].verdict is Verdict.NA and "605Ah:00 does not accept 2" in found["CIA402_PWR_BV_13"].reason
     assert found["CIA402_PWR_BV_14"].verdict is Verdict.PASS
 
 

@@ -45,7 +45,7 @@ def test_an_output_at_its_end_is_switched_there(both: WithPlanner) -> None:
 def test_where_no_way_is_left_it_is_reported_before_anything_moves(both: WithPlanner, lines: tuple[str, ...], block: int) -> None:
     job = both.order(*lines)
     assert both.still(0.2) and (job.state, job.reason) == (CommandState.REFUSED, Reason.PROGRAM_FAULT)
-    assert f"block {block}: what the block begins or ends with needs a way" in job.detail, job.detail
+    assert f"block {block}: this action needs a motion to attach to" in job.detail, job.detail
 
 
 def test_it_is_called_in_the_next_part_where_its_own_has_no_way(both: WithPlanner) -> None:

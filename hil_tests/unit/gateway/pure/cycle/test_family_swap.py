@@ -84,7 +84,7 @@ def test_an_axis_its_own_drive_referenced_is_masked_meanwhile_and_supervised_fro
     cell.each = note
     assert cell.settle(cell.give(Code.REFERENCE, mask=7)).state is CommandState.DONE
     cell.run(0.1)
-    assert homing > 50 and cell.core.state.stop_cause == 0, "the jump of the drive's zero is no following error"
+    assert homing > 50 and cell.core.state.stop_cause == 0, "the jump of the drive's zero is not a following error"
     assert cell.actual()[:3] == pytest.approx([12.35, 3.10, 20.0], abs=0.1), (
         "home.offset where the drive found its home, Z as its encoder says"
     )

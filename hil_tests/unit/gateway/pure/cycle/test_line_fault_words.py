@@ -23,7 +23,7 @@ def test_every_reason_has_words() -> None:
 def test_a_block_that_was_not_taken() -> None:
     words = fault_words(BlockRefused(Refusal.GAP, 57))
     assert (
-        words == "a block of the partner was not taken, 57 characters of it were received: "
+        words == "a block of the partner was not accepted, 57 characters of it were received: "
         "silence inside the block, longer than the character delay"
     )
     assert (
@@ -32,7 +32,7 @@ def test_a_block_that_was_not_taken() -> None:
 
 
 def test_a_block_of_ours_and_what_is_beside_blocks() -> None:
-    assert fault_words(SendRepeated(3, Failure.NAK, Stage.BLOCK)) == "an own block is sent again: the partner answered NAK behind the block"
+    assert fault_words(SendRepeated(3, Failure.NAK, Stage.BLOCK)) == "a block is sent again: the partner answered NAK after the block"
     assert fault_words(SendFailed(3, Failure.SILENT, Stage.CONNECT)).endswith(
         "no answer within the acknowledgement delay at the connection"
     )

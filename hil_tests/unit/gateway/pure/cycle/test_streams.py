@@ -160,7 +160,7 @@ FAULTS = {
     "input": "linear pose 120 100 50 0 0 0 until=9999",
     "speed: 1000 %": "ptp joints 100 100 50 0 speed=1000",
     "nan": "linear pose nan 100 50 0 0 0",
-    "'jump' is no statement": "jump 3",
+    "'jump' is not a statement": "jump 3",
     "synchron B9": "synchron B9",
 }
 

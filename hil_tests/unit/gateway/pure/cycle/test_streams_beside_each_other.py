@@ -62,7 +62,7 @@ def goes_on(lanes: Lanes, arm: Job) -> None:
         ),
         ("linear pose 0 0 100 180 0 0 path=60", "scara: block 2, axis S2: point not reachable: axis S2 would leave its travel"),
         ("ptp joints 30 90 -200 0 speed=900", "scara: block 2: speed: 900 % is outside 0.01 .. 500 %"),
-        ("jump 1 2 3", "scara: block 2: 'jump' is no statement; "),
+        ("jump 1 2 3", "scara: block 2: 'jump' is not a statement; "),
     ],
 )
 def test_a_wrong_statement_ends_its_stream_with_lane_block_and_number(lanes: Lanes, line: str, words: str) -> None:
@@ -92,7 +92,7 @@ def goes_on_without(lanes: Lanes, arm: Job) -> None:
 def test_a_stream_that_starves_rests_and_goes_on_when_more_comes(lanes: Lanes) -> None:
     arm, scara = both(lanes)
     lanes.bench.run(8.0)
-    assert scara.open and lanes.sets()[6:] == pytest.approx(AT, abs=1e-6), "open and empty is no end"
+    assert scara.open and lanes.sets()[6:] == pytest.approx(AT, abs=1e-6), "open and empty is not an end"
     assert lanes.sets()[:6] == pytest.approx([0, 30, 90, 0, 60, 0], abs=1e-6)
     lanes.say(scara, "ptp joints 0 90 -200 0", end=True)
     assert lanes.bench.settle(scara, 20.0).state is CommandState.DONE

@@ -83,7 +83,7 @@ def test_places(text: str, form: str, found: Place) -> None:
         ("DB10.DW2", "", "the number format is missing"), ("DB10.DW2", "REAL", "has 2 bytes"), ("DB10.D0.8", "KF", "is a bit"),
         ("E 8.0", "u8", "is a bit"),
         ("DB99.DW0", "KF", "no [[db]]"), ("MW 10", "u16", "a route joins"), ("40001", "u16", "a route joins"),
-        ("DB10.DW2", "f64", "no number form"),
+        ("DB10.DW2", "f64", "not a number form"),
         ("T 5", "u16", "a route joins"),
     ],
 )  # fmt: skip

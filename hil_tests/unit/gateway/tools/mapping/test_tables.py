@@ -46,10 +46,10 @@ def test_columns_may_be_in_any_order_and_cells_may_be_numbers() -> None:
         ("name;at\r\n", "without table"),
         ("table;at\r\nword;DW 1\r\n", "line 2, table"),
         ("table;at\r\nblock;DW 1\r\n", "line 2, block: a row of table block has it"),
-        ("table;block;words;writer\r\nblock;10;some;plc\r\n", "line 2, words: 'some' is no whole number"),
-        ("table;block\r\ndb;DB 10\r\n", "line 2, block: 'DB 10' is no whole number"),
+        ("table;block;words;writer\r\nblock;10;some;plc\r\n", "line 2, words: 'some' is not a whole number"),
+        ("table;block\r\ndb;DB 10\r\n", "line 2, block: 'DB 10' is not a whole number"),
         ("table;from\r\nroute;E 8.0\r\n", "line 2, name: a row of table route has it"),
-        ("table;min\r\ndb;1,5.3\r\n", "line 2, min: '1,5.3' is no number"),
+        ("table;min\r\ndb;1,5.3\r\n", "line 2, min: '1,5.3' is not a number"),
     ],
 )
 def test_a_bad_table_is_reported_by_line_and_column(text: str, words: str) -> None:

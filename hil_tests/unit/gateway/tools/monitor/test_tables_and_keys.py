@@ -68,7 +68,7 @@ def test_signals_pass_the_filter_and_old_ones_say_so() -> None:
 def test_keys_by_name_and_by_character() -> None:
     assert keys_of("mode 7.3.2 enter", RHO3) == ["MODE", "7", ".", "3", ".", "2", "ENTER"]
     assert keys_of("INFO DOWN a", RHO3) == ["INFO", "DOWN", "A"]
-    with pytest.raises(ValueError, match="'\\+' in '7\\+' is no key"):
+    with pytest.raises(ValueError, match="'\\+' in '7\\+' is not a key"):
         keys_of("7+", RHO3)
     typed: list[tuple[str, str | None]] = [
         ("m", "m"),
@@ -89,5 +89,5 @@ def test_keys_of_a_larger_pendant_come_with_it() -> None:
     assert keys_of("run f2 step 12 enter 1+", PHG) == ["RUN", "F2", "STEP", "1", "2", "ENTER", "1+"]
     assert [key_of("escape", None, PHG), key_of("pagedown", None, PHG), key_of("m", "m", PHG)] == ["QUIT", "MENU+", "M"]
     assert (PHG.columns, PHG.lines, PHG.across, "1+" in PHG.held) == (40, 20, 8, True)
-    with pytest.raises(ValueError, match="is no key"):
+    with pytest.raises(ValueError, match="is not a key"):
         keys_of("MODE!", PHG)

@@ -100,6 +100,6 @@ def test_programs_are_judged_by_the_control_they_were_written_for() -> None:
     expected["val3"] = ("axisgate val3 check", "runs no program of the controller's own PLC")
     for control in ("rho3", "reis", "val3", "other"):
         reasons = {reason.key: reason.text for reason in assess(GOOD | {"control": control, "baps": "yes", "pic": "yes"})}
-        baps, pic = expected.get(control, ("not in a cell", "runs no program of the controller's own PLC"))
+        baps, pic = expected.get(control, ("neither in a cell", "runs no program of the controller's own PLC"))
         assert baps in reasons["baps"] and pic in reasons["pic"], control
         assert ("run in the cell" in reasons["baps"]) is (control in expected)

@@ -51,7 +51,7 @@ def test_a_process_that_reads_an_input_p11_does_not_have_ends_with_inadmissable_
         assert (process.state, process.error) == (State.FAULTY, 254)
         assert process.error_text == f"inadmissable input: {channel}" and bench.codes() == [254]
         notes = [str(notice.text) for notice in bench.cell.warnings if "WAITS" in notice.where]
-        assert notes == [f"inadmissable input: {channel}: P11 does not have it"], "check has told it before"
+        assert notes == [f"inadmissable input: {channel}: it is not in P11"], "check has told it before"
 
 
 @pytest.mark.requirement("RHO-PLC-33", by="gateway.assembly.controllers:p11_of")
@@ -158,7 +158,7 @@ def test_a_measuring_channel_p11_does_not_have_is_refused() -> None:
         cell_with(BOARDS, "P11 = [1, 0, 0, 3]", table.format(611))
     told = [str(fault) for fault in refused.value.faults]
     assert len(told) == 1 and "measuring.611.channel" in told[0]
-    assert "inadmissable input: P11 gives 610, 621, 622, 623" in told[0]
+    assert "inadmissable input: P11 states 610, 621, 622, 623" in told[0]
     for p11, channel in (("P11 = [1, 0, 0, 3]", 622), ("", 611)):
         cell = cell_with(BOARDS, p11, table.format(channel))
         notes = [notice.text for notice in cell.notes if notice.where == f"measuring.{channel}.input"]

@@ -74,7 +74,7 @@ def test_what_the_axes_do_is_in_the_system_markers(robot: ControlBench) -> None:
 @pytest.mark.requirement("RSV-PLC-36", by="gateway.pure.controllers.reis.control:ReisControl._factor")
 def test_the_override_marker_multiplies_the_override_in_auto(robot: ControlBench) -> None:
     moving(robot.put(AUTO))
-    assert robot.core.state.override == 1.0, "a 0 that was never written is no factor"
+    assert robot.core.state.override == 1.0, "a 0 that was never written is not a factor"
     robot.reis.markers.set_number(OVERRIDE, 50)
     robot.settle(robot.give(Code.OVERRIDE, velocity=0.5))
     robot.cycle(3)

@@ -105,7 +105,7 @@ def test_routes_begin_and_end_in_registers_of_devices() -> None:
         (route("r", from_="axis.X.actual", to="DB30.DW4", to_type="KF", scale=100.0), "route.r.to", "overflow"),
         (route("r", from_="DB10.D0.9", to="A 3.2"), "route.r.to", "two writers in RC input byte 3: plc"),
         (route("r", from_="DB10.D0.9", to="E 8.0"), "route.r.to", "only the cycle writes RC outputs"),
-        (route("r", from_="DB10.D0.9", to="drives.on"), "route.r.to", "commands are given by command sources"),
+        (route("r", from_="DB10.D0.9", to="drives.on"), "route.r.to", "commands come from command sources"),
         (route("r", from_="axis.Q.actual", to="DB30.DW4", to_type="KF"), "route.r.from", "no such axis"),
         (route("r", from_="cell.redy", to="A 90.0"), "route.r.from", "cell.ready"),
         (route("r", from_="io.nobody", to="A 90.0"), "route.r.from", "no such contact"),
@@ -140,7 +140,7 @@ def test_routes_begin_and_end_in_registers_of_devices() -> None:
         (io("x", f"{TCP}, output = 0", "axis.X.brak"), "io.x.signal", "axis.X.brake"),
         (io("x", f"{TCP}, output = 0", "io.x"), "io.x.signal", "no route writes it"),
         (io("x", f"{TCP}, output = 0", "cell.watchdog", "toggle_ms = 2"), "io.x.toggle_ms", ">= 4"),
-        (io("x", f"{TCP}, input = 0", "cell.ready"), "io.x.signal", "no signal an input may drive"),
+        (io("x", f"{TCP}, input = 0", "cell.ready"), "io.x.signal", "not a signal that an input may drive"),
         (io("x", f"{TCP}, input = 0", "cell.feed_allow"), "io.x.signal", "two writers in RC input byte 3"),
         (io("x", f"{TCP}, input = 0, poll_ms = 5", "cell.safety_ok") + io("y", f"{TCP}, output = 1", "cell.ready")
          + io("z", f"{TCP}, output = 2", "cell.error"), "io.x.device.poll_ms", "polling does not fit"),

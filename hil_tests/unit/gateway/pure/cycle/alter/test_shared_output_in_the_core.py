@@ -128,7 +128,7 @@ def test_the_last_axis_keeps_its_output_outside_of_programs() -> None:
 
 FAULTS = {
     'axes = ["X", "W"]': "no such axis",
-    'axes = ["X", "X"]': "is on set-point output FU1 already; an axis has one",
+    'axes = ["X", "X"]': "is on set-point output FU1 already; an axis has only one",
     "output = 529": "the set point is a whole word of the image",
     "output = 64": "axisgate itself, or another table, writes one of these outputs",
     "select = 530": "writes one of these 2 outputs",

@@ -131,7 +131,7 @@ def test_statements_of_belts_are_done_between_moves_of_both(home: Pair) -> None:
 OF_SCARA = ("kinematic scara", "synchron B5", "linear pose 350 0 60 180 0 0")
 FURTHER = "linear pose 350 20 60 180 0 0"
 TURNS = ("kinematic scara", "synchron B6 at=50mm", "linear pose 350 0 60 180 0 0 belt=100mm", f"{FURTHER} belt=100mm")
-MEANWHILE = "line 11: move: kinematic scara is on a belt or corrected and moves alone, arm cannot: synchron_end comes first"
+MEANWHILE = "line 11: move: kinematic scara is on a belt or corrected and moves alone, arm cannot: write synchron_end first"
 AN_INPUT = "Belt-sync. n.possible: SYNC of belt B5 inside its part waits for a belt value, not for an input (rho 3 20)"
 
 

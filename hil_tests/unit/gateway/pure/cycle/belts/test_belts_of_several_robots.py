@@ -231,7 +231,7 @@ def test_a_recording_of_such_a_cell_plays(home: OnBelts) -> None:
 
 TEXT = with_belts(cell_text())
 OWNER = 'robot = "scara"\nfactors = [0.0, 1.0, 0.0]\n\n[plant.belt.B5]'
-NONE = "allowed S1, S2, S3, S4: is no axis of scara"
+NONE = "allowed S1, S2, S3, S4: is not an axis of scara"
 SHARED = '[[shared_output]]\nname = "FU1"\noutput = 720\nselect = 736\nrobot = "scara"\naxes = ["S3", "S4"]\n\n'
 
 
@@ -241,7 +241,7 @@ SHARED = '[[shared_output]]\nname = "FU1"\noutput = 720\nselect = 736\nrobot = "
         (OWNER, OWNER.replace('robot = "scara"\n', ""), "belt.B5.robot: allowed arm, scara: name its robot; this cell has several robots"),
         (OWNER, OWNER.replace("scara", "nobody"), "belt.B5.robot = nobody: no .*robot.* has this name; this cell has arm, scara"),
         ('robot = ["arm", "scara"]\nfactors', 'robot = ["arm", "arm"]\nfactors', "belt.B4.robot = arm: is listed twice"),
-        ("factors_of = { scara", "factors_of = { other", "belt.B4.factors_of = other: allowed arm, scara: no robot of this belt"),
+        ("factors_of = { scara", "factors_of = { other", "belt.B4.factors_of = other: allowed arm, scara: not a robot of this belt"),
         ("{ scara = [0.0, 1.0, 0.0] }", "{ scara = [0.0, 0.0, 0.0] }", "a belt with factors 0 moves nothing"),
         ("# ---- drives", belt_table(8).replace("B8", "B9").replace("504", "505") + "# ---- drives", "belts of one cell"),
         ('every_ms = 4\nrobot    = ["arm", "scara"]', "every_ms = 4", "alter.robot: allowed arm, scara: name its robot"),

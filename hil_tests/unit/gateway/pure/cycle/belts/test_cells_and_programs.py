@@ -58,9 +58,9 @@ def test_a_part_of_a_program_reads_back_as_it_was_written() -> None:
         ("synchron_end", "line 5: synchron_end: ends no synchronous part"),
         ("synchron B1\nsynchron B2", "line 6: synchron: the part on belt B1 is not ended"),
         ("synchron B1 at=5", "line 5: at: '5': a number with mm or deg"),
-        ("synchron B1 to=5mm", "line 5: to: synchron takes at= alone"),
+        ("synchron B1 to=5mm", "line 5: to: synchron accepts only at="),
         ("synchron B1\nlinear pose 200 150 50 0 0 0 camin=3mm", "line 6: camin: needs the block's value of the belt"),
-        ("set belt=3mm", "line 5: belt: acts on one block alone"),
+        ("set belt=3mm", "line 5: belt: acts on one block only"),
     ],
 )
 def test_what_does_not_belong_there_is_reported_by_its_line(lines: str, says: str) -> None:

@@ -174,7 +174,7 @@ SAYS = {
     "SYNC in a part on belt B1 is one of this belt, not of B3": [AT, "sync B3 >= 10mm", ON],
     "belt B2 has none": ["synchron B2", "linear rel pose 0 0 0 0 0 0", "sync B2 >= 10mm", "synchron_end"],
     "line 8: block 1: Belt-sync. n.possible: SYNC inside a part needs": ["belt_type 1 2", AT, "sync B1 >= 10mm", "synchron_end"],
-    "stand outside of synchronous and alterable parts": [AT, "set_beltcnt 1 0", ON],
+    "must be outside synchronous and alterable parts": [AT, "set_beltcnt 1 0", ON],
 }
 
 
@@ -277,5 +277,5 @@ def test_a_belt_whose_axis_cannot_go_along_is_refused(before: str, after: str, s
 def test_an_axis_of_nobody_is_no_axis_of_a_belt() -> None:
     sixth = cell_text().partition("[[axis]]")[2].partition("[[axis]]")[0].replace('"M"', '"S9"').replace("module = 1", "module = 6")
     text = TEXT.replace("[[belt]]", f"[[axis]]{sixth}[[belt]]", 1).replace('axis = "M"', 'axis = "S9"').replace('"1..5"', '"1..6"')
-    with pytest.raises(CellFaults, match="axis S9 is none of robot turntables, whose axes are M, S1, S2, S3, S4"):
+    with pytest.raises(CellFaults, match="axis S9 does not belong to robot turntables, whose axes are M, S1, S2, S3, S4"):
         load_cell(str(PORTAL), text)

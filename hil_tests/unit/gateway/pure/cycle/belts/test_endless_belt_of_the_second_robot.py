@@ -110,4 +110,4 @@ def test_the_axis_is_counted_among_those_of_its_robot_and_belongs_to_it_alone() 
     for robots, name in (('"arm"', "arm (tx60-like)"), ('["arm", "tables"]', "arm (tx60-like)")):
         with pytest.raises(CellFaults) as told:
             load_cell(str(ARM), cell_text().replace('robot = "tables"', f"robot = {robots}"))
-        assert f"belt B1: axis M is none of robot {name}, whose axes are J1, J2, J3, J4, J5, J6" in str(told.value)
+        assert f"belt B1: axis M does not belong to robot {name}, whose axes are J1, J2, J3, J4, J5, J6" in str(told.value)

@@ -149,7 +149,7 @@ SAYS = {
     "belt 9: Inadmiss. Belt-No, P501 = 3 (rho 3 93)": ["set_beltcnt 9 0"],
     "belt B9: Inadmiss. Belt-No; this cell has B1, B2, B3 (rho 3 93)": ["sync B9 >= 10mm", AWAY],
     "Belt-sync. n.possible: SYNC of belt B1 inside its part waits for a belt value": ["synchron B1", "sync B1 input=464", AWAY],
-    "line 7: block 1: Belt-sync. n.possible: belt functions and SYNC stand outside": ["synchron B1", "belt_type 1 2", AWAY],
+    "line 7: block 1: Belt-sync. n.possible: belt functions and SYNC must be outside": ["synchron B1", "belt_type 1 2", AWAY],
     "inside a part needs a belt of type 1 with an endless axis parallel to it": ["synchron B1", "sync B1 >= 5mm", "synchron_end"],
     "line 8: block 2: Belt-sync. n.possible: SYNC inside a part needs a belt of type 1": [
         AWAY,
@@ -205,9 +205,9 @@ def test_statements_are_written_as_they_were_read() -> None:
         "sync B1": "sync: BELT >= 100mm",
         "sync B1 = 3mm": "sync: BELT >= 100mm",
         "sync B1 >= 3": "sync: '3': a number with mm or deg",
-        "belt_type 1": "belt_type: 2 numbers, 1 are there",
+        "belt_type 1": "belt_type: 2 numbers, found 1",
         "belt_param 1.5 1 1 1": "whole numbers",
-        "sync B1 >= 3mm\nlabel X\nlinear pose 1 1 1 0 0 0": "label: X has to stand before sync",
+        "sync B1 >= 3mm\nlabel X\nlinear pose 1 1 1 0 0 0": "label: X must be before sync",
     }.items():
         with pytest.raises(TextFaults) as caught:
             read(HEAD + line + "\n")

@@ -182,7 +182,7 @@ def test_blocks_of_a_bus_that_the_cell_lacks_or_that_carries_none_are_refused(
     (line,) = checked(capsys, tmp_path, (second, ""))
     assert ": rho3.P31 = bus = 2: bus 2 of the P list is [[bus]] number 2 of this file, which has 1; add it" in line
     (line,) = checked(capsys, tmp_path, ('protocol = "rho3-io"', 'protocol = "canopen"'))
-    assert 'rho3.P31 = bus = 2: bus io speaks "canopen", which carries no blocks of P31 and P32; give them a [[bus]]' in line
+    assert 'rho3.P31 = bus = 2: bus io uses "canopen", which carries no blocks of P31 and P32; add a [[bus]]' in line
     assert checked(capsys, tmp_path) == []
 
 

@@ -153,7 +153,7 @@ def test_axes_without_a_measuring_system_are_named_with_the_values_they_lose() -
     said = [each for each in report.missing if each.startswith("P401 of axis")]
     assert [each.split(":")[0] for each in said] == ["P401 of axis 3", "P401 of axis 4"]
     assert all("P103, P104, P108, P204, P205 have values of it" in each for each in said)
-    assert any(each.startswith("P109 of axis 2: values of axis 1 alone are not written") for each in report.missing)
+    assert any(each.startswith("P109 of axis 2: values of axis 1 only are not written") for each in report.missing)
 
 
 def test_a_german_list_gives_its_gear_factors() -> None:
@@ -166,13 +166,13 @@ def test_a_german_list_gives_its_gear_factors() -> None:
     ("more", "words"),
     [
         ("P401\nGetriebefaktor : 121.0\n", "P401 'Getriebefaktor': no axis precedes it"),
-        ("P401\nA_1 Gear factor : all\n", "P401 'Gear factor': its value is no number"),
+        ("P401\nA_1 Gear factor : all\n", "P401 'Gear factor': its value is not a number"),
         ("P401\nA_1 Gear factor : 1.0 2.0\n", "one value is expected, there are 2"),
         ("P5 8 16\n", "one value is expected, there are 2"),
         ("P9 40.5\n", "a whole number is expected"),
         ("P2 3\nP2 4\n", "given above as 3, which is used"),
-        ("P103 all\n", "its value is no number"),
-        ("P21\nX.START : 3\n", "none of I.START"),
+        ("P103 all\n", "its value is not a number"),
+        ("P21\nX.START : 3\n", "neither one of I.START"),
         ("P30\nColour : 3\n", "neither input blocks"),
         ("P31\nColour : 3\n", "neither address"),
     ],

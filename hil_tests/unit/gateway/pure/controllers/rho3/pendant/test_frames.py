@@ -85,10 +85,10 @@ def test_an_output_is_read_back_command_by_command() -> None:
     [
         (b"\xff", "1 bytes"),
         (b"\xff\xff\x01\x00", "byte 4: the output ends before SC_ENDE"),
-        (b"\xff\xff\x63\x00", "byte 2: 99 is no command"),
+        (b"\xff\xff\x63\x00", "byte 2: 99 is not a command"),
         (b"\xff\xff\x02\x04\x00", "GOTOXY ends before its 4 bytes"),
         (b"\xff\xff\x05\x51abc", "TEXT ends before its 81 bytes"),
-        (b"\xff\xff\x08\x00\x00", "1 bytes behind SC_ENDE"),
+        (b"\xff\xff\x08\x00\x00", "1 bytes after SC_ENDE"),
     ],
 )
 def test_half_outputs_are_named_by_their_byte(output: bytes, words: str) -> None:
