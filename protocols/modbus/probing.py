@@ -205,8 +205,8 @@ def _framing(unit: int, register: int, missing: int) -> list[Case]:
 
 def _functions(unit: int) -> list[Case]:
     rows: list[tuple[str, str, str, tuple[str, ...], bool]] = [
-        ("FC 41h, which is none", "7", "41 00 00 00 01", ("01",), False),
-        ("FC 0, which is none", "4.1", "00 00 00 00 01", ("01", "closed", "silence"), False),
+        ("FC 41h, which does not exist", "7", "41 00 00 00 01", ("01",), False),
+        ("FC 0, which does not exist", "4.1", "00 00 00 00 01", ("01", "closed", "silence"), False),
         ("FC 7", "6.7", "07", ("normal",), True),
         ("FC 8/0: the data are returned", "6.8", "08 0000 A537", ("echo",), True),
         ("FC 8: sub-function FFFFh", "6.8", "08 FFFF 0000", ("01",), True),
