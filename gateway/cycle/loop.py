@@ -58,8 +58,7 @@ def patience_ns(period_ns: int) -> int:
 
 def waited_until(patience: int, due: int, sent: int) -> int:
     """Instant at which an actual value is missing; after a late SYNC drives have at least half the time (AX-915)."""
-    whole, half = due + patience, sent + patience // 2
-    return whole if whole > half else half
+    return max(due + patience, sent + patience // 2)
 
 
 class Cycle:
@@ -214,12 +213,9 @@ class Cycle:
 
     def _count(self, missing: int) -> None:
         """For the published state."""
-        state, late = self.core.state, 0
-        if missing:
-            state.incomplete += 1
-        for bus in self.buses:
-            late += bus.late
-        state.late = late
+        state = self.core.state
+        state.incomplete += missing > 0
+        state.late = sum([bus.late for bus in self.buses])
 
     def _prepare(self, values: Sequence[SetRecord]) -> None:
         for bus in self.buses:
@@ -288,9 +284,7 @@ class Cycle:
         A value present at the deadline came in time: the cycle was late, not the drive (AX-915).
         """
         if missing is None:
-            missing = 0
-            for bus in self.buses:
-                missing += bus.family.expected + len(bus.encoders)
+            missing = sum([bus.family.expected + len(bus.encoders) for bus in self.buses])
         if not missing:  # nothing to wait for, but other frames still arrive
             for bus in up:
                 bus.receive(actuals)
