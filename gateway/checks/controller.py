@@ -349,8 +349,8 @@ def files(cell: Cell) -> Iterator[Notice]:
                 )
     for code, name in sorted((tables.programs.entries if tables.programs else {}).items()):
         if name not in known:
-            nobody = "which no [[controller.process]] declares" if folder is None else "which is not a program of the memory"
-            yield Notice("note", f"{table.files}/EXPROG.DAT", f"code {code:02X} selects {name}, {nobody}")
+            undeclared = "which no [[controller.process]] declares" if folder is None else "which is not a program of the memory"
+            yield Notice("note", f"{table.files}/EXPROG.DAT", f"code {code:02X} selects {name}, {undeclared}")
 
 
 CHECKS = (controller,)

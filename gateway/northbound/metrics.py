@@ -137,7 +137,7 @@ class Metrics:
         async def one(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
             with contextlib.suppress(OSError, TimeoutError, asyncio.IncompleteReadError, asyncio.LimitOverrunError):
                 async with asyncio.timeout(REQUEST_S):
-                    request = await reader.readuntil(b"\r\n\r\n")  # an incomplete one delays nobody
+                    request = await reader.readuntil(b"\r\n\r\n")  # an incomplete one delays no other
                     async with gate:
                         status, kind, text = self.answer(request)
                         body = text.encode()

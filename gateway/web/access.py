@@ -28,7 +28,7 @@ class Person:
     role: Role
     source: str  # address
     local: bool
-    key: str  # control is bound to it: a session, a token, or nobody's
+    key: str  # control is bound to it: a session, a token, or none
     csrf: str = ""
 
 

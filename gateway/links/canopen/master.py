@@ -297,7 +297,7 @@ class CanopenMaster:
         self._say("drive", f"{node.name} (node {node.plan.node}): {why}", {"node": node.plan.node})
 
     def _boot(self, node: Node) -> None:
-        """One attempt, in a thread of its own: a node that does not answer delays nobody."""
+        """One attempt, in a thread of its own: a node that does not answer delays no other."""
         plan, adopting, asked = node.plan, node.adopted, node.asked
         try:
             with node.lock:

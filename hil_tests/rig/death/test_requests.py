@@ -92,7 +92,7 @@ def test_var_knows_which_runs_are_up(run: CellRun) -> None:
     assert (code, out) == (3, "") and err == "axisgate var: no run 'other' is active; active: tools; choose one: --name NAME"
     with socket.socket(socket.AF_UNIX) as dead:
         dead.bind(str(runtime_dir() / "crashed-services.sock"))
-    assert axisgate("var", "cell.ready") == (0, "cell.ready = 1", ""), "a socket nobody listens on is not a run"
+    assert axisgate("var", "cell.ready") == (0, "cell.ready = 1", ""), "a socket without a listener is not a run"
     os.unlink(runtime_dir() / "crashed-services.sock")
 
 

@@ -37,7 +37,7 @@ def _long_cycles(t: NodeTester) -> Iterator[int]:
                 t.download(CYCLE_PERIOD, 1000 * period, 4)
             in_ms(t, period)
         except Aborted as refused:
-            raise NotApplicable(f"60C2h does not take {period} ms: {refused.got}") from refused
+            raise NotApplicable(f"60C2h does not accept {period} ms: {refused.got}") from refused
         with cyclic(t, ms(period)):
             yield step
 

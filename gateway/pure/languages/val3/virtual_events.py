@@ -391,7 +391,7 @@ def _anything(_: Machine, event: Event) -> str:
     return event.value
 
 
-LINKED = ("dio", "aio", "io", "sio")  # a variable's name stands for its link
+LINKED = ("dio", "aio", "io", "sio")  # a variable's name means its link
 PLANT: dict[str, Callable[[Machine, str, Event], None]] = {
     "dio": signal,
     "aio": signal,

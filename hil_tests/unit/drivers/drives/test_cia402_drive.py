@@ -111,7 +111,7 @@ def test_a_demand_that_is_still_set_switches_nothing_on_after_a_fault_and_reset_
     rig.cycles(30, Demand(on=True, position_inc=rig.drive.set_inc))
     assert rig.power() is Power.FAULT and rig.drive.fault_code == 0x7121
     rig.cycles(30, Demand(on=True, reset=True, position_inc=rig.drive.set_inc))
-    assert rig.power() is Power.OFF, "reset by its edge, and a demand that stood all the time is not a command"
+    assert rig.power() is Power.OFF, "reset by its edge, and a demand that was set all the time is not a command"
     assert Event.FAULT_CLEARED in rig.events
     blocked(rig)
     rig.cycles(60, Demand(reset=True))

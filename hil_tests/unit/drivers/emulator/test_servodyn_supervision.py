@@ -130,7 +130,7 @@ def test_fault_reset_is_an_edge_and_after_it_drive_on_has_to_come_anew() -> None
     bus.cycle(2)
     bus.want[1].reset = True
     bus.run(0.3)
-    assert not fault(bus) and state(bus) is State.READY, "drive on still stands, it is not a new command"
+    assert not fault(bus) and state(bus) is State.READY, "drive on is still set, it is not a new command"
     bus.want[1].on = bus.want[1].enable = False
     bus.cycle(2)
     bus.want[1].on = bus.want[1].enable = True

@@ -51,7 +51,7 @@ def test_a_process_that_reads_an_input_p11_does_not_have_ends_with_inadmissable_
         assert (process.state, process.error) == (State.FAULTY, 254)
         assert process.error_text == f"inadmissable input: {channel}" and bench.codes() == [254]
         notes = [str(notice.text) for notice in bench.cell.warnings if "WAITS" in notice.where]
-        assert notes == [f"inadmissable input: {channel}: it is not in P11"], "check has told it before"
+        assert notes == [f"inadmissable input: {channel}: it is not in P11"], "check has reported it before"
 
 
 @pytest.mark.requirement("RHO-PLC-33", by="gateway.assembly.controllers:p11_of")
