@@ -4,7 +4,7 @@ import json
 import pathlib
 from typing import TYPE_CHECKING
 
-from gateway.assembly.program_memory import memory_folder
+from gateway.assembly.program_memory import memory_folder, plc_folder
 from gateway.pure.cell.cell import Cell
 from gateway.pure.languages.plc.translation import start_in_folder, start_name
 from gateway.runtime.state_folder import place
@@ -13,13 +13,6 @@ if TYPE_CHECKING:
     from gateway.assembly.run import RunPlan
 
 SYSTEM_VALUES = "$SYSTEM.VAL"  # system variables, written by the interpreter
-
-
-def plc_folder(cell: Cell) -> pathlib.Path | None:
-    """Where the programs of [controller.plc] are; None: the cell has no such table."""
-    if cell.controller is None or cell.controller.plc is None:
-        return None
-    return pathlib.Path(cell.file).parent / cell.controller.plc.path
 
 
 def start_program(cell: Cell) -> str:
@@ -48,4 +41,11 @@ def kept_file(plan: "RunPlan") -> pathlib.Path | None:
     """Where markers, timers and counters outlive power-off; None: a simulation without [retain]."""
     if plan.simulated:
         return plan.folder / "plc.kept" if plan.cell.retain else None
-    return place(plan.cell.file, "retain", f"{pathlib.Path(plan.cell.file).resolve().stem}.plc")
+    return kept_of(plan.cell)
+
+
+def kept_of(cell: Cell) -> pathlib.Path | None:
+    """This file of a cell on a machine; None: the cell has no PLC."""
+    if plc_folder(cell) is None:
+        return None
+    return place(cell.file, "retain", f"{pathlib.Path(cell.file).resolve().stem}.plc")

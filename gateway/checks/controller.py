@@ -8,9 +8,8 @@ import pathlib
 from collections.abc import Iterator
 
 from gateway.assembly.data_block_signals import signals_of
-from gateway.assembly.integrated_plc import plc_folder
 from gateway.assembly.pic import pic_bytes
-from gateway.assembly.program_memory import memory_folder
+from gateway.assembly.program_memory import memory_folder, plc_folder
 from gateway.checks.context import Context, number, program_lines
 from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.controller import Controller, ControllerPoint, ProcessStep

@@ -7,7 +7,7 @@ import time
 import zlib
 from collections.abc import Collection, Iterable, Iterator
 
-from gateway.assembly.integrated_plc import plc_folder
+from gateway.assembly.program_memory import plc_folder
 from gateway.assembly.run import slug_of
 from gateway.files.plc_programs import ProgramFileFault, read_listing, read_programs, write_programs
 from gateway.pure.cell.cell import Cell

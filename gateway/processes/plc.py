@@ -15,7 +15,8 @@ import time
 import zlib
 from dataclasses import replace
 
-from gateway.assembly.integrated_plc import kept_file, plc_folder, start_program
+from gateway.assembly.integrated_plc import kept_file, start_program
+from gateway.assembly.program_memory import plc_folder
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.files.plc_programs import ProgramFileFault, read_programs
 from gateway.pure.controllers.reis.markers import ERROR_NUMBER, IN_ERROR, merged

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from gateway.assembly import axis_zeros as zeros
+from gateway.assembly.integrated_plc import kept_of
 from gateway.assembly.program_memory import program_folders
 from gateway.cell_file.load import load_cell
 from gateway.files.find import read_text
@@ -31,6 +32,8 @@ FORMAT = 1
 MANIFEST = "manifest.json"
 MOST_BYTES = 512 << 20  # all files of a backup together
 RETAINED = "retained data"
+MARKERS = "markers of the PLC"
+STATE_FOLDERS = ("retain", "zero", "web")  # beside the cell file: what of them belongs into a backup is copied in its own way
 KEY, USERS = "key", "users of the page"
 SECRETS = (KEY, USERS)
 SECRET_KEYS = ("key", "tls_key", "password_file")  # of a cell file: they name files with secrets
@@ -46,7 +49,7 @@ class Part:
     """One file of a backup; `name`: relative to the folder of the cell."""
 
     name: str
-    role: str  # cell file | named by the cell | retained data | zeros
+    role: str  # cell file | named by the cell | retained data | markers of the PLC | zeros
     size: int
     sha256: str
 
@@ -76,6 +79,8 @@ def make(cell: Cell, target: pathlib.Path, *, secrets: bool = False) -> Manifest
     """Writes the backup; the cell may keep running.  secrets: with keys and users, readable by its owner alone.  OSError."""
     with tempfile.TemporaryDirectory(prefix="axisgate-") as folder:
         found, left_out = sources(cell, pathlib.Path(folder))
+        own = target.resolve()  # in a memory that is the folder of the cell: an earlier backup of this name
+        found = {name: source for name, source in found.items() if pathlib.Path(cell.file).resolve().parent / name != own}
         withheld = () if secrets else tuple(name for name, (role, _) in found.items() if role in SECRETS)
         found = {name: source for name, source in found.items() if name not in withheld}
         parts = tuple(Part(name, role, path.stat().st_size, sum_of(path)) for name, (role, path) in found.items())
@@ -106,16 +111,7 @@ def sources(cell: Cell, scratch: pathlib.Path) -> tuple[dict[str, tuple[str, pat
             found.setdefault(str(path.relative_to(file.parent)), (_role(cell, path), path))
         else:
             left_out.append(str(path))
-    for number, folder in enumerate(program_folders(cell)):
-        if not folder.is_relative_to(file.parent):
-            left_out.append(str(folder))
-            continue
-        for path in files_below(folder):
-            name = str(path.relative_to(file.parent))
-            source = scratch / f"programs-{number}" / path.relative_to(folder)
-            source.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(path, source)  # a running program may replace it
-            found[name] = ("named by the cell", source)
+    found |= _programs(cell, scratch, left_out)
     users = data_file(cell, cell.web or Web(), simulated=False)
     if users.exists():
         found = {name: source for name, source in found.items() if source[0] != USERS}  # its log files: the copy needs none
@@ -128,10 +124,32 @@ def sources(cell: Cell, scratch: pathlib.Path) -> tuple[dict[str, tuple[str, pat
     if kept.exists():
         copied(kept, scratch / "retained.sqlite")
         found[f"retain/{file.stem}.sqlite"] = (RETAINED, scratch / "retained.sqlite")
+    if (markers := kept_of(cell)) is not None and markers.exists():
+        shutil.copy2(markers, scratch / "markers.plc")  # a running PLC may replace it
+        found[f"retain/{file.stem}.plc"] = (MARKERS, scratch / "markers.plc")
     for path in (zeros.path_of(cell), zeros.path_of(cell).with_suffix(".enable.jsonl")):
         if path.exists():
             found[f"zero/{path.name}"] = ("zeros", path)
     return found, left_out
+
+
+def _programs(cell: Cell, scratch: pathlib.Path, left_out: list[str]) -> dict[str, tuple[str, pathlib.Path]]:
+    """Copies of all programs, because a running one may replace its files; folders elsewhere are added to `left_out`."""
+    found: dict[str, tuple[str, pathlib.Path]] = {}
+    home = pathlib.Path(cell.file).resolve().parent
+    for folder in program_folders(cell):
+        if not folder.is_relative_to(home):
+            left_out.extend([str(folder)] if str(folder) not in left_out else [])
+            continue
+        for path in files_below(folder):
+            inside = path.relative_to(home)
+            if str(inside) in found or (folder == home and inside.parts[0] in STATE_FOLDERS):
+                continue
+            source = scratch / "programs" / inside
+            source.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(path, source)
+            found[str(inside)] = ("cell file" if path == pathlib.Path(cell.file).resolve() else _role(cell, path), source)
+    return found
 
 
 def named_by(file: pathlib.Path) -> list[pathlib.Path]:

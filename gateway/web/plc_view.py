@@ -4,7 +4,7 @@ import asyncio
 import zlib
 from typing import Any
 
-from gateway.assembly.integrated_plc import plc_folder
+from gateway.assembly.program_memory import plc_folder
 from gateway.files.plc_programs import ProgramFileFault, read_programs
 from gateway.observer.tool_link import ServicesLink
 from gateway.pure.cell.cell import Cell

@@ -10,6 +10,7 @@ import pytest
 
 import gateway
 from gateway.assembly import axis_zeros as zeros
+from gateway.assembly.integrated_plc import kept_of
 from gateway.assembly.program_memory import program_folders
 from gateway.cell_file.load import load_cell
 from gateway.commands.backup import main as save
@@ -107,13 +108,47 @@ def test_programs_of_all_folders_come_back(name: str, programs: str, below: str,
     assert (other / place.relative_to(tmp_path)).read_text() == "one more program"
 
 
-def test_programs_elsewhere_are_named_and_left_out(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_markers_of_the_plc_come_back(tmp_path: pathlib.Path) -> None:
+    """On a machine they outlive power-off in a file of their own."""
+    (tmp_path / "plant").mkdir()
+    cell = cell_copy("reis-plc", tmp_path / "plant")
+    shutil.copytree(find_config("reis-plc.toml", "cells").parent / "reis-plc", cell.parent / "reis-plc")
+    markers = kept_of(load_cell(str(cell)))
+    assert markers is not None
+    markers.parent.mkdir()
+    markers.write_bytes(b"markers, timers, counters")
+    assert put_back([str(saved(cell)), "--to", str(tmp_path / "other")]) == 0
+    again = kept_of(load_cell(str(tmp_path / "other" / cell.name)))
+    assert again is not None and again.read_bytes() == markers.read_bytes()
+
+
+def test_a_memory_that_is_the_folder_of_the_cell_reveals_no_secret(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "plant" / "web").mkdir(parents=True)
+    cell = cell_copy("palletiser", tmp_path / "plant", ('memory = "palletiser"', 'memory = "."'), ('files  = "palletiser"', 'files  = "."'))
+    for name in ("A.QLL", "saved.zip", "A.KEY", "web/palletiser.users.sqlite-wal"):
+        (cell.parent / name).write_text("-----BEGIN PRIVATE KEY-----" if name == "A.KEY" else "")
+    manifest = backup.make(load_cell(str(cell)), cell.parent / "saved.zip")
+    assert {part.name: part.role for part in manifest.parts} == {"A.QLL": "named by the cell", cell.name: "cell file"}
+    assert manifest.withheld == ("A.KEY",)
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "folder"),
+    [("cs8", "", "cs8/usrapp"), ("reis-plc", "path  = ", "reis-plc/PLC"), ("palletiser", "files  = ", "palletiser")],
+)
+def test_programs_elsewhere_are_named_and_left_out(
+    name: str, key: str, folder: str, tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     cells = find_config("cs8.toml", "cells").parent
     (tmp_path / "plant").mkdir()
-    cell = cell_copy("cs8", tmp_path / "plant", ('"cs8/usrapp"', '"../usrapp"'))
-    shutil.copytree(cells / "cs8" / "usrapp", tmp_path / "usrapp")
+    cell = cell_copy(name, tmp_path / "plant", (f'{key}"{folder}"', f'{key}"../elsewhere"'))
+    if name == "palletiser":
+        shutil.copytree(cells / folder, cell.parent / folder)
+    shutil.copytree(cells / folder, tmp_path / "elsewhere")
     assert save([str(cell), "--to", str(tmp_path / "saved.zip")]) == 0
-    assert f"left out: {tmp_path / 'usrapp'} is outside the folder of the cell; save it yourself" in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert printed.count("left out:") == 1
+    assert f"left out: {tmp_path / 'elsewhere'} is outside the folder of the cell; save it yourself" in printed
 
 
 def test_a_backup_that_cannot_be_read_back_leaves_no_file(
