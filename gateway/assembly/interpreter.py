@@ -46,7 +46,8 @@ from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.pic.cell_pic import CellPic
 from gateway.pure.languages.pic.symbols import named_in
-from gateway.runtime.safe_file import write_whole
+from gateway.runtime.safe_file import kept_aside, write_whole
+from gateway.runtime.unwritten import UnwrittenFiles, stamp_of
 from protocols.base.machine import ms
 
 CARD_GONE, CARD_MISSING = 39, 300  # system errors (L11431-11436)
@@ -138,7 +139,7 @@ class Baps2Programs:
         assert folder is not None  # its language has no row otherwise
         self.folder = folder
         controller = plan.cell.controller
-        self._port = port
+        self._port, self._unwritten = port, UnwrittenFiles()
         self._eeprom = pathlib.Path(plan.cell.file).parent / controller.eeprom if controller is not None and controller.eeprom else None
         self._printer = pathlib.Path(plan.cell.file).parent / controller.printer if controller is not None and controller.printer else None
         self._card = pathlib.Path(plan.cell.file).parent / controller.sram_card if controller is not None and controller.sram_card else None
@@ -206,8 +207,8 @@ class Baps2Programs:
         return ""
 
     def _stamped(self) -> dict[str, tuple[int, int]]:
-        found = {path.name: path.stat() for path in self.folder.iterdir() if not path.name.startswith(".")}
-        return {name: (stat.st_mtime_ns, stat.st_size) for name, stat in found.items()}
+        found = {path.name: stamp_of(path) for path in self.folder.iterdir() if not path.name.startswith(".")}
+        return {name: stamp for name, stamp in found.items() if stamp is not None}
 
     def read(self, alive: Callable[[], None]) -> list[str]:
         """Read the memory; a large one takes seconds."""
@@ -298,25 +299,44 @@ class Baps2Programs:
         return [*faults, *self._written()]
 
     def _written(self) -> list[str]:
-        files, faults = self.memory.files, []
-        for name, data in changed(self._kept, files).items():
+        for path in self._unwritten.again():
+            self._stamp(path)
+            self._port.report(str(path), 0, "is written now, nothing in it is lost")
+        faults = []
+        for name, data in changed(self._kept, self.memory.files).items():
             path = self._path(name)
+            self._unwritten.written(path)
             try:
+                if aside := self._set_aside(path, self._kept.get(name), data):
+                    faults.append(aside)
                 if data is None:
                     path.unlink(missing_ok=True)
                 else:
                     write_whole(path, data)
             except OSError as error:
+                self._unwritten.failed(path, data)
                 faults.append(f"{path}: {error.strerror}; what programs have written there is lost when this run ends")
             if data is None:
                 self._kept.pop(name, None)
             else:
                 self._kept[name] = data
-            with contextlib.suppress(OSError):
-                found = path.stat()
-                self._stamps[path.name] = (found.st_mtime_ns, found.st_size)
-                self.language.pendant.files.stamps.update(days_of({path.name: self._stamps[path.name]}))
+            self._stamp(path)
         return faults
+
+    def _set_aside(self, path: pathlib.Path, *known: bytes | None) -> str:
+        """Keep a file that was changed on the disk after it was read, and that a program overwrites now.  OSError."""
+        stamp = stamp_of(path)
+        if stamp is None or stamp == self._stamps.get(path.name) or (found := path.read_bytes()) in known:
+            return ""
+        kept = kept_aside(path)
+        write_whole(kept, found)
+        return f"{path}: it was changed on the disk, then a program wrote it; the changed file is kept as {kept.name}"
+
+    def _stamp(self, path: pathlib.Path) -> None:
+        """What programs have written is no change from outside."""
+        if (stamp := stamp_of(path)) is not None:
+            self._stamps[path.name] = stamp
+            self.language.pendant.files.stamps.update(days_of({path.name: stamp}))
 
     def _path(self, name: str) -> pathlib.Path:
         """The file of that name in any case of letters, or a new one."""

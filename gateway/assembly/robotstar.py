@@ -1,8 +1,9 @@
 """ROBOTstar programs as a cell sets them up: those of its memory, its robot, the values they keep."""
 
+import errno
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from pathlib import Path
 
 from gateway.assembly.program_memory import memory_folder
@@ -22,6 +23,7 @@ from gateway.pure.languages.robotstar.initial import NAME as INITIAL
 from gateway.pure.languages.robotstar.initial import initialise
 from gateway.pure.languages.robotstar.memory import Memory
 from gateway.runtime.safe_file import write_whole
+from gateway.runtime.unwritten import UnwrittenFiles, stamp_of
 
 KEEP_S, SHARE = 0.5, 20  # interval of writes while values change, and its least multiple of the duration of a write
 
@@ -49,15 +51,21 @@ class RobotstarPrograms:
         self.folder = folder
         self._stamps = self._stamped()
         self._faults = Faults()
-        self.language = CellRun(Memory.read(with_system(sources(str(folder))), words(), self._faults), port, arm_of(plan.cell))
+        try:
+            found = with_system(sources(str(folder)))
+        except FolderFault as fault:  # as every folder that cannot be read
+            raise OSError(errno.EINVAL, str(fault), str(folder)) from fault
+        self.language = CellRun(Memory.read(found, words(), self._faults), port, arm_of(plan.cell))
         table = plan.cell.controller.plc if plan.cell.controller is not None else None
         self._of_the_cell = "" if table is None else f"_SSTARTPLC = {json.dumps(table.start)}\n"
         self.language.restore(SYSTEM, self._of_the_cell)
         self._kept: dict[str, str] = {}
+        self._port, self._unwritten = port, UnwrittenFiles()
         self._made: dict[str, str | None] = {}  # programs that programs have made, as they are on the disk
         self._listed = -1, [dict[str, object]()]  # version of the memory, its programs
         self._due = self._effects = 0.0
-        self._notes = [*self._restored(), *self._initialised()]
+        there = {path.relative_to(folder).as_posix()[: -len(KEPT)] for path in self._there()}
+        self._notes = [*self._restored(self.language.values().keys() | there), *self._initialised()]
 
     def _initialised(self) -> list[str]:
         """SYVARINI of the memory runs at the start, over kept values; the shipped one would change nothing useful."""
@@ -75,9 +83,10 @@ class RobotstarPrograms:
         """Next to the program: NAME.MPR has NAME.MPR.VAL."""
         return self.folder / f"{program}{KEPT}"
 
-    def _restored(self) -> list[str]:
+    def _restored(self, names: Set[str]) -> list[str]:
+        """Give variables the values in the files of these programs; lines that cannot be used."""
         lost = []
-        for name in self.language.values().keys() | {path.relative_to(self.folder).as_posix()[: -len(KEPT)] for path in self._there()}:
+        for name in names:
             try:
                 text = text_of(self._file(name)) if self._file(name).exists() else ""
             except FolderFault as fault:
@@ -86,7 +95,8 @@ class RobotstarPrograms:
             lost += [
                 f"{self._file(name)}: {line}: no variable accepts this value; it is left out" for line in self.language.restore(name, text)
             ]
-        self._kept = self._values()
+        values = self._values()
+        self._kept |= {name: values[name] for name in names if name in values}
         return lost
 
     def _values(self) -> dict[str, str]:
@@ -108,6 +118,7 @@ class RobotstarPrograms:
         stamps = self._stamped()
         if stamps == self._stamps or self.language.runs:
             return None
+        added = {Path(path).relative_to(self.folder).as_posix() for path in stamps.keys() - self._stamps.keys()}
         self._stamps, self._made = stamps, {}
         self._faults = Faults()
         try:
@@ -115,6 +126,9 @@ class RobotstarPrograms:
         except FolderFault as fault:
             return [str(fault)]
         self.language.replaced(Memory.read(found, words(), self._faults))
+        values = self._values()
+        self._kept = {name: text for name, text in self._kept.items() if name in values}
+        self._notes += self._restored(added & values.keys())  # a program that was renamed, copied or put here brings its values
         return self.read(alive)
 
     def seen(self, now: int) -> dict[str, object]:
@@ -127,6 +141,9 @@ class RobotstarPrograms:
     def write_back(self) -> list[str]:
         """Programs and values that have changed; each file is the old or the new one whatever happens."""
         now = time.monotonic()
+        for path in self._unwritten.again():
+            self._stamp(path)
+            self._port.report(str(path), 0, "is written now, nothing in it is lost")
         if self._effects == self.language.effects or (now < self._due and self.language.runs):
             return []
         began, self._effects = now, self.language.effects
@@ -135,9 +152,11 @@ class RobotstarPrograms:
         for name, text in values.items():
             if self._kept.get(name, "") == text:
                 continue
+            self._unwritten.written(self._file(name))
             try:
                 write_whole(self._file(name), text.encode())
             except OSError as error:
+                self._unwritten.failed(self._file(name), text.encode())
                 faults.append(f"{self._file(name)}: {error.strerror}; values of variables do not outlive power-off")
         self._kept = values
         self._due = time.monotonic() + max(KEEP_S, SHARE * (time.monotonic() - began))
@@ -151,6 +170,7 @@ class RobotstarPrograms:
         )
         for name in changed:
             path, text = self.folder / name, made[name]
+            self._unwritten.written(path)
             try:
                 if text is None:
                     path.unlink(missing_ok=True)
@@ -158,10 +178,10 @@ class RobotstarPrograms:
                     self._stamps.pop(str(path), None)
                 else:
                     write_whole(path, text.encode())
-                    stat = path.stat()
-                    self._stamps[str(path)] = (stat.st_mtime_ns, stat.st_size)
+                    self._stamp(path)
                 self._release(name)
             except (OSError, FolderFault) as error:
+                self._unwritten.failed(path, None if text is None else text.encode())
                 faults.append(f"{path}: {getattr(error, 'strerror', '') or error}; a program made by TRAFO_6D does not outlive power-off")
         self._made = made
         return faults
@@ -171,6 +191,9 @@ class RobotstarPrograms:
         locks = locks_of(self.folder) if name in self.language.memory.gone else {}
         if locks.pop(name, ""):
             write_locks(self.folder, locks)
-            path = self.folder / LOCKS
-            stat = path.stat()
-            self._stamps[str(path)] = (stat.st_mtime_ns, stat.st_size)
+            self._stamp(self.folder / LOCKS)
+
+    def _stamp(self, path: Path) -> None:
+        """What programs have written is no change from outside."""
+        if path.suffix.upper() != KEPT and (stamp := stamp_of(path)) is not None:
+            self._stamps[str(path)] = stamp

@@ -8,8 +8,10 @@ from pathlib import Path
 
 from gateway.files.old_text import decoded
 from gateway.pure.languages.robotstar.memory import Source
+from gateway.pure.languages.robotstar.program import KINDS
 from gateway.pure.languages.robotstar.protection import Protected, letters_of
 from gateway.pure.languages.robotstar.words import Words
+from gateway.runtime.safe_file import write_whole
 
 MOST_BYTES = 4_000_000  # of a program
 LOCKS = ".protection"  # file with the locked letters of programs
@@ -37,7 +39,12 @@ def sources(folder: str) -> list[Source]:
         raise FolderFault(f"{folder} is not a folder; name the folder that holds the programs (NAME.MPR, NAME.SPR, ..)")
     locks = locks_of(root)
     files = [(path.relative_to(root).as_posix(), path) for path in _files(root)]
-    return [Source(name, text_of(path), locks.get(name, "")) for name, path in files]
+    return [Source(name, text_of(path) if _is_program(path) else "", locks.get(name, "")) for name, path in files]
+
+
+def _is_program(path: Path) -> bool:
+    """Other files are not read: a manual or a picture has any size."""
+    return path.suffix.upper()[1:] in KINDS
 
 
 def shipped() -> list[Source]:
@@ -93,12 +100,10 @@ def write_locks(root: Path, locks: Mapping[str, str]) -> None:
 
 def replace(path: Path, text: str) -> None:
     """Replace the complete file: the old or the new one.  FolderFault: the old one."""
-    fresh = path.with_name(f".{path.name.lstrip('.')}.new")
     try:
-        fresh.write_text(text, encoding="utf-8")
-        fresh.replace(path)
+        write_whole(path, text.encode())
     except OSError as error:
-        raise FolderFault(f"{fresh}: {error.strerror}") from None
+        raise FolderFault(f"{path}: {error.strerror}") from None
 
 
 def _files(root: Path) -> Iterator[Path]:

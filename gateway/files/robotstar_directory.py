@@ -2,7 +2,6 @@
 1.3, L1033-1146; AX-1001."""
 
 import datetime
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.program import DEFINITIONS
 from gateway.pure.languages.robotstar.protection import DELETE, EDIT, RENAME, STRUCTURE, demand, letters_of, shown
 from gateway.pure.languages.robotstar.reader import read_program, unnumbered
+from gateway.runtime.safe_file import write_whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,9 +133,9 @@ def _copied(folder: Path, file: str, to: str) -> str:
     text = next(each.text for each in sources(str(folder)) if each.path == file)
     head, line, rest = text.partition("\n")
     before, found, behind = head.rpartition(plain)  # the last one: P is also a letter of MPR
-    (folder / new).write_text((before + name + behind if found else head) + line + rest, encoding="utf-8", newline="")
-    if (folder / f"{file}{KEPT}").exists():
-        shutil.copyfile(folder / f"{file}{KEPT}", folder / f"{new}{KEPT}")
+    if (folder / f"{file}{KEPT}").exists():  # first: a program without its values would begin with others
+        write_whole(folder / f"{new}{KEPT}", (folder / f"{file}{KEPT}").read_bytes())
+    write_whole(folder / new, ((before + name + behind if found else head) + line + rest).encode())
     return new
 
 

@@ -26,7 +26,7 @@ from gateway.runtime.clock import wall
 from gateway.runtime.page_data import data_file
 from gateway.runtime.retained import writer as retain
 from gateway.runtime.retained.store import RetainError, open_file
-from gateway.runtime.safe_file import put_in_place
+from gateway.runtime.safe_file import kept_aside, put_in_place
 
 FORMAT = 1
 MANIFEST = "manifest.json"
@@ -319,9 +319,7 @@ def sum_of(path: pathlib.Path) -> str:
 
 
 def _put_by(place: pathlib.Path, part: Part) -> pathlib.Path:
-    mark = wall()[:19].replace(":", "")
-    number = next(n for n in range(1, 10_000) if not place.with_name(f"{place.name}.before-{mark}-{n}").exists())
-    old = place.with_name(f"{place.name}.before-{mark}-{number}")
+    old = kept_aside(place)
     if part.role == RETAINED:
         with contextlib.suppress(OSError, sqlite3.Error):
             copied(place, old)  # including its log

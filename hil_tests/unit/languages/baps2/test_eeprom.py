@@ -9,6 +9,7 @@ import pytest
 from gateway.assembly.interpreter import Baps2Programs
 from gateway.assembly.run import RunPlan
 from gateway.pure.image.records.cell import CellState
+from gateway.runtime import safe_file, unwritten
 from gateway.services.rho3_panel import Rho3Panel
 from hil_tests.lab.virtual.baps2_bench import CELL, ProgramCell, VirtualPort, one
 
@@ -65,6 +66,40 @@ class EepromCell(ProgramCell):
 @pytest.fixture
 def cell(tmp_path: pathlib.Path) -> EepromCell:
     return EepromCell(tmp_path)
+
+
+def test_a_file_changed_on_the_disk_while_programs_run_is_not_lost(cell: EepromCell) -> None:
+    """An operator edits points or data in the folder; the program that runs writes the same file."""
+    (cell.folder / "N.DAT").write_bytes(b"read")
+    assert cell.programs.refresh(lambda: None) is not None
+    (cell.folder / "N.DAT").write_bytes(b"of the operator")
+    cell.memory.files["N.DAT"] = b"of the program"
+    (fault,) = cell.programs.write_back()
+    (aside,) = cell.folder.glob("N.DAT.before-*")
+    assert aside.name in fault and aside.read_bytes() == b"of the operator"
+    assert (cell.folder / "N.DAT").read_bytes() == b"of the program"
+    cell.memory.files["N.DAT"] = b"once more"
+    assert cell.programs.write_back() == [] and len(list(cell.folder.glob("*.before-*"))) == 1
+
+
+def test_what_could_not_be_written_is_tried_again(cell: EepromCell, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as disk:
+        disk.setattr(safe_file, "put_in_place", full)
+        for name in ("N.DAT", "M.DAT"):
+            cell.memory.files[name] = b"of the program"
+        assert ["No space left on device" in fault for fault in cell.programs.write_back()] == [True, True]
+    monkeypatch.setattr(unwritten, "AGAIN_S", 0.0)
+    cell.programs._unwritten._due = 0.0  # a second later
+    (cell.folder / "M.DAT").write_bytes(b"of the operator")
+    assert cell.programs.write_back() == []
+    assert (cell.folder / "N.DAT").read_bytes() == b"of the program"
+    assert (cell.folder / "M.DAT").read_bytes() == b"of the operator", "what came into its place meanwhile stays"
+    assert [words for words in cell.port.words if "N.DAT" in words] == [
+        f"{cell.folder / 'N.DAT'} line 0: is written now, nothing in it is lost"
+    ]
 
 
 @pytest.mark.requirement("RHO-PHG-15", by="gateway.pure.languages.baps2.cell_eeprom:refused")

@@ -1,15 +1,18 @@
 """Programs that TRAFO_6D makes in a cell are programs of the memory: they are on the disk, with their values (L3271, L3115-3119)."""
 
 import pathlib
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
 from gateway.assembly.robotstar import RobotstarPrograms
 from gateway.assembly.run import RunPlan
+from gateway.files import robotstar
+from gateway.files.robotstar_directory import copy, rename
 from gateway.pure.languages.robotstar.kept import restore, written
 from gateway.pure.languages.robotstar.operands import Number
-from gateway.runtime import safe_file
+from gateway.runtime import safe_file, unwritten
 from hil_tests.lab.virtual.baps2_bench import VirtualPort
 from hil_tests.lab.virtual.reis_bench import CELL
 
@@ -154,3 +157,38 @@ def test_a_full_disk_leaves_the_old_file_and_is_reported_once(tmp_path: pathlib.
     assert [fault for fault in faults if "DST.SPR: No space left on device; a program made by TRAFO_6D" in fault]
     assert (kept.folder / "DST.SPR").read_text() == old
     assert kept.programs.write_back() == []
+    monkeypatch.undo()
+    monkeypatch.setattr(unwritten, "AGAIN_S", 0.0)
+    kept.programs._unwritten._due = 0.0  # a second later
+    assert kept.programs.write_back() == []
+    assert (kept.folder / "DST.SPR").read_text() != old, "it is tried again until there is space"
+    assert (kept.folder / "P.MPR.VAL").read_text() == "I = 7\nICTRL = 1\n"
+    assert kept.programs.refresh(lambda: None) is None, "its own writing is not a new file"
+
+
+COUNTER = 'SPR "CNT"\nLOC_VAR ICOUNT, value:0\nADD 1, ICOUNT\nEND\n'
+CALLER = 'MPR "Q"\nCALL "{0}"\nSTOP\nEND\n'
+
+
+@pytest.mark.parametrize("change", [rename, copy])
+def test_a_program_that_was_renamed_or_copied_goes_on_with_its_values(tmp_path: pathlib.Path, change: Callable[..., object]) -> None:
+    kept = memory(tmp_path, **{"CNT.SPR": COUNTER, "Q.MPR": CALLER.format("CNT")})
+    assert kept.run("Q") == [] and (kept.folder / "CNT.SPR.VAL").read_text() == "ICOUNT = 1\n"
+    change(kept.folder, "CNT", "NEW")
+    assert kept.programs.refresh(lambda: None) is not None
+    assert kept.programs.language.values()["NEW.SPR"] == "ICOUNT = 1\n"
+
+
+def test_a_program_that_is_put_into_the_memory_brings_its_values(tmp_path: pathlib.Path) -> None:
+    kept = memory(tmp_path)
+    for name, text in {"CNT.SPR.VAL": "ICOUNT = 7\n", "CNT.SPR": COUNTER, "Q.MPR": CALLER.format("CNT")}.items():
+        (kept.folder / name).write_text(text)
+    assert kept.programs.refresh(lambda: None) == []
+    assert kept.run("Q") == [] and (kept.folder / "CNT.SPR.VAL").read_text() == "ICOUNT = 8\n"
+
+
+def test_a_big_file_that_is_no_program_is_not_read(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(robotstar, "MOST_BYTES", 1000)
+    assert ["MANUAL.PDF is not a program" in fault for fault in memory(tmp_path, **{"MANUAL.PDF": "x" * 1001}).faults] == [True]
+    with pytest.raises(OSError, match="not a letter"):
+        memory(tmp_path / "damaged", **{".protection": "nothing\n"})
