@@ -96,7 +96,7 @@ def _said(text: str, language: str) -> str:
     """A notice or a hint; one that was made in both languages, or is found by its words."""
     if language != "de" or isinstance(text, Sentence):
         return in_language(text, language)
-    return spoken("check-notices").german(text)
+    return spoken("check-notices", "val3-files").german(text)
 
 
 def _fault(fault: Fault, language: str) -> str:

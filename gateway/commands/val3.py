@@ -1,6 +1,7 @@
 """VAL 3 applications: check files and programs, run them in virtual time, make a cell from a flash card."""
 
 import argparse
+import dataclasses
 import json
 import pathlib
 import sys
@@ -20,7 +21,7 @@ from gateway.pure.languages.val3.sealed import SHORTEST_SECRET, public_of
 from gateway.pure.languages.val3.virtual import Run, declare_links, summary
 from gateway.pure.languages.val3.virtual_events import EventFault, event_of
 from gateway.runtime.exit_codes import Exit
-from gateway.tools.usage_language import complain, val3_text
+from gateway.tools.usage_language import complain, val3_fault_text, val3_text
 from motion.errors import MotionError
 from motion.robot import Robot
 
@@ -106,8 +107,9 @@ def _check(options: argparse.Namespace) -> int:
         print(json.dumps(loaded.faults.rows(), indent=1, ensure_ascii=False))
     else:
         for fault in loaded.faults:
-            level = "" if fault.severity.value == "error" else f" {fault.severity.value}:"
-            print(loaded.logged(fault).replace(")", f"){level}", 1))
+            level = "" if fault.severity.value == "error" else f" {val3_text(fault.severity.value)}:"
+            logged = loaded.logged(dataclasses.replace(fault, text=val3_fault_text(fault.text)))
+            print(logged.replace(")", f"){level}", 1))
         count = loaded.faults.errors
         programs = len(loaded.app.programs)
         counted = f"{programs} {'program' if programs == 1 else 'programs'}, {len(loaded.app.data)} data"

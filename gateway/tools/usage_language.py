@@ -54,6 +54,11 @@ def val3_text(sentence: str) -> str:
     return spoken("val3").german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
 
 
+def val3_fault_text(sentence: str) -> str:
+    """A fault in the files of an application, in the user's language; the words of a controller stay as they are."""
+    return spoken("val3-files").german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
+
+
 def fault_text(fault: SourceFault, said: Callable[[str], str] = report_text) -> str:
     """A fault of a program with its place and id, in the user's language.  `said`: knows the German of its controller."""
     if _language() != "de":

@@ -86,7 +86,7 @@ def _wiring() -> Spoken:
 
 def _both(text: str) -> list[str]:
     """Findings of `check`, in the letters of a page."""
-    german = in_language(text, "de") if isinstance(text, Sentence) else spoken("check-notices").german(text)
+    german = in_language(text, "de") if isinstance(text, Sentence) else spoken("check-notices", "val3-files").german(text)
     return [str(text), umlauts(german)]
 
 

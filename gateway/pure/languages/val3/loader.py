@@ -7,7 +7,7 @@ from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.disk import Disk, PathFault, application_of
 from gateway.pure.languages.val3.files import Reader
 from gateway.pure.languages.val3.links import declarations
-from gateway.pure.languages.val3.model import BUILT_IN, FAMILIES, Application, Declaration, Type, UserType
+from gateway.pure.languages.val3.model import BUILT_IN, FAMILIES, Application, Declaration, Type, Use, UserType
 from gateway.pure.languages.val3.program_code import Code
 from gateway.pure.languages.val3.references import check_references
 from gateway.pure.languages.val3.sealed import SealFault, library_of
@@ -79,10 +79,10 @@ class Loader:
 
     def _link_types(self, app: Application, faults: Faults) -> None:
         for use in app.types.values():
-            found = self._user_type(app, use.name, use.path, use.line, faults)
+            found = None if use.name in app.lost_libraries else self._user_type(app, use, faults)
             if found is not None:
                 app.resolved[use.name] = found
-                _compare_units(app, found.millimetres, f"user type '{use.name}'", use.line, faults)
+                _compare_units(app, found.millimetres, f"user type '{use.name}'", use, faults)
         for declared in app.data.values():
             self._resolve(app, declared, faults)
         for program in app.programs.values():
@@ -90,7 +90,9 @@ class Loader:
                 kind = self._type(app, parameter.type_name)
                 if kind is None and parameter.type_name not in app.types:
                     faults.error(
-                        "val3-type", Position(program.file, parameter.line), f"'{parameter.name}' : invalid type ({parameter.type_name})"
+                        "val3-type",
+                        Position(program.file, parameter.line, parameter.column),
+                        f"'{parameter.name}' : invalid type ({parameter.type_name})",
                     )
                 parameter.type, parameter.broken = kind if kind is not None else "num", kind is None
             for local in program.locals:
@@ -99,25 +101,26 @@ class Loader:
     def _resolve(self, app: Application, declared: Declaration, faults: Faults) -> None:
         kind = self._type(app, declared.type_name)
         if kind is None and declared.type_name not in app.types:  # one of those is named where it is declared
-            faults.error("val3-type", Position(declared.file, declared.line), f"'{declared.name}' : invalid type ({declared.type_name})")
+            faults.error("val3-type", declared.place, f"'{declared.name}' : invalid type ({declared.type_name})")
         declared.type, declared.broken = kind if kind is not None else "num", kind is None
 
     @staticmethod
     def _type(app: Application, name: str) -> Type | None:
         return name if name in BUILT_IN else app.resolved.get(name)
 
-    def _user_type(self, app: Application, name: str, path: str, line: int, faults: Faults) -> UserType | None:
+    def _user_type(self, app: Application, use: Use, faults: Faults) -> UserType | None:
+        name, path, place = use.name, use.path, _place(app, use)
         try:
             folder, own = application_of(path, app.path)
         except PathFault as fault:
-            faults.error("val3-type", Position(app.project, line), f"'{name}' : {fault}")
+            faults.error("val3-type", place, f"'{name}' : {fault}")
             return None
         key = f"{folder}/{own}".lower()
         if key in self._types:
             _pass_on(self.read(folder, own)[1], faults)
             return self._types[key]
         if key in self._open_types or len(self._open_types) > DEEPEST:
-            faults.error("val3-type", Position(app.project, line), f"'{name}' : the type is made of itself")
+            faults.error("val3-type", place, f"'{name}' : the type is made of itself")
             return None
         self._open_types.append(key)
         made, inside = self.read(folder, own)
@@ -125,7 +128,7 @@ class Loader:
         if self._there(folder, own):  # faults of its files and their content
             _pass_on(inside, faults)
         if made is None:
-            faults.error("val3-type", Position(app.project, line), f"'{name}' : there is no application {path}")
+            faults.error("val3-type", place, f"'{name}' : there is no application {path}")
             return None
         kind = UserType(name, key, millimetres=made.millimetres)
         kind.fields = {each.name: each for each in made.data.values() if each.public}
@@ -169,7 +172,7 @@ class Loader:
                 text = (
                     f"'{declared.name}' : made for an {declared.family.upper()} arm, this is an {self.family.upper()}; using it is error 81"
                 )
-                faults.warning("val3-family", Position(declared.file, declared.line), text)
+                faults.warning("val3-family", declared.place, text)
 
     def _speeds(self, app: Application, faults: Faults) -> None:
         """Above the nominal speed, accel and decel that do not go with it (L5654)."""
@@ -183,7 +186,7 @@ class Loader:
                     text = (
                         f"'{declared.name}' : vel {vel:g} % does not match accel and decel of {rule:g} %, not {accel:g} % and {decel:g} %"
                     )
-                    faults.warning("val3-speed", Position(declared.file, declared.line), text)
+                    faults.warning("val3-speed", declared.place, text)
 
     def _interfaces(self, app: Application, faults: Faults) -> None:
         """Libraries are only looked at for what they show (L3927)."""
@@ -194,7 +197,7 @@ class Loader:
             try:
                 folder, own = library_of(self.disk, use.path, app.path, use.password)
             except (PathFault, SealFault) as fault:
-                faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': {fault}")
+                faults.error("val3-library", _place(app, use), f"library '{use.name}': {fault}")
                 app.lost_libraries.add(use.name)
                 continue
             found, inside = self.read(folder, own)
@@ -202,12 +205,35 @@ class Loader:
                 faults.warning(each.id, each.position, f"library '{use.name}': {each.text}")
             app.interfaces[use.name] = found
             if found is None:
-                faults.error("val3-library", Position(app.project, use.line), f"library '{use.name}': there is no application {use.path}")
+                faults.error("val3-library", _place(app, use), f"library '{use.name}': there is no application {use.path}")
                 app.lost_libraries.add(use.name)
                 continue
-            _compare_units(app, found.millimetres, f"library '{use.name}'", use.line, faults)
+            _compare_units(app, found.millimetres, f"library '{use.name}'", use, faults)
             if ring := self._ring(app, found, [app.project]):
-                faults.error("val3-library", Position(app.project, use.line), f"libraries in a ring: {' -> '.join(ring)}")
+                faults.error("val3-library", _place(app, use), f"libraries in a ring: {' -> '.join(ring)}")
+            self._rings_below(found, {app.project}, use.name, faults)
+
+    def _rings_below(self, app: Application, known: set[str], name: str, faults: Faults) -> None:
+        """Rings of libraries alone: they cannot be loaded (12), the application can."""
+        if app.project in known:
+            return
+        known.add(app.project)
+        for use in app.libraries.values():
+            inner = self._library(app, use)
+            if inner is None or inner.project in known:
+                continue
+            ring = self._ring(app, inner, [app.project])
+            if ring:
+                text = f"library '{name}': libraries in a ring: {' -> '.join(ring)}"
+                faults.warning("val3-library", _place(app, use), text)
+                known.update(ring)
+            self._rings_below(inner, known, name, faults)
+
+    def _library(self, app: Application, use: Use) -> Application | None:
+        try:
+            return self.read(*application_of(use.path, app.path))[0]
+        except PathFault:
+            return None
 
     def _ring(self, app: Application, found: Application, way: list[str]) -> list[str]:
         if found.project == app.project:
@@ -215,22 +241,22 @@ class Loader:
         if found.project in way:
             return []
         for use in found.libraries.values():
-            try:
-                folder, own = application_of(use.path, found.path)
-            except PathFault:
-                continue
-            inner, _ = self.read(folder, own)
+            inner = self._library(found, use)
             if inner is not None and (ring := self._ring(app, inner, [*way, found.project])):
                 return ring
         return []
 
 
-def _compare_units(app: Application, millimetres: bool, what: str, line: int, faults: Faults) -> None:
+def _place(app: Application, use: Use) -> Position:
+    return Position(app.project, use.line, use.column)
+
+
+def _compare_units(app: Application, millimetres: bool, what: str, use: Use, faults: Faults) -> None:
     """A warning, which is a popup when the application starts and code 1 of libLoad (L532-538)."""
     if millimetres != app.millimetres:
         names = {True: "mm", False: "inch"}
         text = f"{what}: its length unit is {names[millimetres]}, that of {app.name} is {names[app.millimetres]}"
-        faults.warning(UNIT, Position(app.project, line), text)
+        faults.warning(UNIT, _place(app, use), text)
 
 
 def _pass_on(found: Faults, faults: Faults) -> None:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+from gateway.pure.languages.base.source import Position
+
 NUM, BOOL, STRING = "num", "bool", "string"
 SIMPLE = ("bool", "num", "string", "dio", "aio", "sio", "screen")
 STRUCTURED = ("trsf", "frame", "tool", "point", "joint", "config", "mdesc")
@@ -61,6 +63,7 @@ class Initial:
     attributes: dict[str, str]
     fields: "dict[str, Declaration]"
     line: int
+    column: int = 1
 
 
 @dataclass(slots=True)
@@ -78,6 +81,12 @@ class Declaration:
     type: Type = "num"
     family: str = ""  # of jointRx and its like
     broken: bool = False  # its type is not there
+    column: int = 1
+
+    @property
+    def place(self) -> Position:
+        """Where its file declares it."""
+        return Position(self.file, self.line, self.column)
 
 
 @dataclass(slots=True)
@@ -90,6 +99,7 @@ class Parameter:
     whole: bool = False
     dims: int = 1
     line: int = 1
+    column: int = 1
     type: Type = "num"
     broken: bool = False
 
@@ -117,6 +127,7 @@ class Use:
     line: int
     autoload: bool = False
     password: str | None = None  # of an encrypted library
+    column: int = 1
 
 
 @dataclass(slots=True)
@@ -137,7 +148,7 @@ class Application:
     lost: set[str] = field(default_factory=set)  # data that cannot be read
     lost_data: bool = False  # an entire file of them
     lost_programs: bool = False
-    lost_libraries: set[str] = field(default_factory=set)
+    lost_libraries: set[str] = field(default_factory=set)  # and user types
 
     @property
     def since_s8(self) -> bool:

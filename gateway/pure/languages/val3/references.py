@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.val3.links import declarations
-from gateway.pure.languages.val3.model import Application, Declaration, UserType
+from gateway.pure.languages.val3.model import Application, Declaration, Initial, UserType
 from gateway.pure.languages.val3.values import Container, FrameV, Grid, PointV, ToolV, UserV
 
 NAMED = re.compile(r"(?:(\w+):)?(\w+)(?:\[(.*)\])?", re.ASCII)
@@ -102,50 +102,52 @@ def _indices(place: int, dims: tuple[int, ...]) -> list[int]:
 def check_references(app: Application, faults: Faults) -> None:
     """Names that lead nowhere: a warning each, because the application runs until it uses the value."""
     for declared in app.data.values():
-        for inner, text, line in _given(declared):
+        for inner, text, value in _given(declared):
             if why := _wrong(app, inner, text):
-                faults.warning("val3-reference", Position(declared.file, line), f"'{declared.name}' : fatherId {text!r}: {why}")
+                faults.warning(
+                    "val3-reference", Position(declared.file, value.line, value.column), f"'{declared.name}' : fatherId {text!r}: {why}"
+                )
 
     fathers = _fathers(app)
-    for place, (_, line) in fathers.items():
+    for place, (_, value) in fathers.items():
         if _in_ring(fathers, place):
             name, key = place
             text = f"'{name}' : {name}[{key}] refers to itself; using it is error 165"
-            faults.warning("val3-reference", Position(app.data[name].file, line), text)
+            faults.warning("val3-reference", Position(app.data[name].file, value.line, value.column), text)
 
 
 Named = tuple[str, str]  # name and index
 
 
-def _fathers(app: Application) -> dict[Named, tuple[Named, int]]:
-    """Frames and tools of the application that hang on others of it; line of each."""
-    found: dict[Named, tuple[Named, int]] = {}
+def _fathers(app: Application) -> dict[Named, tuple[Named, Initial]]:
+    """Frames and tools of the application that hang on others of it; the value of each."""
+    found: dict[Named, tuple[Named, Initial]] = {}
     for declared in app.data.values():
         if declared.type not in ("frame", "tool") or declared.name in ("world", "flange"):
             continue
         for value in declared.values:
             reference = reference_of(value.attributes.get("fatherId", ""))
             if reference is not None and not reference.library and not reference.inner:
-                found[declared.name, value.key] = (reference.name, reference.index or "0"), value.line
+                found[declared.name, value.key] = (reference.name, reference.index or "0"), value
     return found
 
 
-def _in_ring(fathers: Mapping[Named, tuple[Named, int]], place: Named) -> bool:
+def _in_ring(fathers: Mapping[Named, tuple[Named, Initial]], place: Named) -> bool:
     """Whether the way up leads back to it."""
     here = place
     for _ in fathers:
         if here not in fathers:
             return False
-        here, _line = fathers[here]
+        here, _ = fathers[here]
         if here == place:
             return True
     return False
 
 
-def _given(declared: Declaration) -> Iterator[tuple[Declaration, str, int]]:
+def _given(declared: Declaration) -> Iterator[tuple[Declaration, str, Initial]]:
     for inner in declarations(declared):
         if inner.type_name in HANGING:
-            yield from ((inner, text, each.line) for each in inner.values if (text := each.attributes.get("fatherId", "")))
+            yield from ((inner, text, each) for each in inner.values if (text := each.attributes.get("fatherId", "")))
 
 
 def _wrong(app: Application, declared: Declaration, text: str) -> str:

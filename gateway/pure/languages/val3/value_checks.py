@@ -23,10 +23,10 @@ def check_values(app: Application, faults: Faults) -> None:
     for declared in own:
         if (count := weight(declared, weights)) > MOST_TOGETHER:
             text = f"'{declared.name}' : {count} values with those of its components, {MOST_TOGETHER} at most"
-            faults.error("val3-value", Position(declared.file, declared.line), text)
-        for line, text, error in _wrong(declared, declared.type):
+            faults.error("val3-value", declared.place, text)
+        for place, text, error in _wrong(declared, declared.type):
             say = faults.error if error else faults.warning
-            say("val3-value", Position(declared.file, line), f"'{declared.name}' : {text}")
+            say("val3-value", Position(declared.file, place.line, place.column), f"'{declared.name}' : {text}")
 
 
 def weight(declared: Declaration, known: dict[int, int]) -> int:
@@ -39,25 +39,25 @@ def weight(declared: Declaration, known: dict[int, int]) -> int:
     return each * (math.prod(declared.sizes) if declared.dims else len(declared.values))
 
 
-def _wrong(declared: Declaration, kind: Type) -> Iterator[tuple[int, str, bool]]:
-    """Line, text, whether it is an error."""
+def _wrong(declared: Declaration, kind: Type) -> Iterator[tuple[Initial | Declaration, str, bool]]:
+    """Place, text, whether it is an error."""
     for value in declared.values:
         if isinstance(kind, UserType):
             yield from _wrong_fields(value, kind)
         elif kind == "string":
             if len(value.attributes.get("value", "").encode("utf-8", "replace")) > LONGEST:
-                yield value.line, f"a string has at most {LONGEST} bytes, the rest is cut off", False
+                yield value, f"a string has at most {LONGEST} bytes, the rest is cut off", False
         else:
-            yield from ((value.line, text, True) for text in _wrong_value(value, kind))
+            yield from ((value, text, True) for text in _wrong_value(value, kind))
 
 
-def _wrong_fields(value: Initial, kind: UserType) -> Iterator[tuple[int, str, bool]]:
+def _wrong_fields(value: Initial, kind: UserType) -> Iterator[tuple[Initial | Declaration, str, bool]]:
     for name, given in value.fields.items():
         wanted = kind.fields.get(name)
         if wanted is None:
-            yield given.line, f"the type {kind} has no field '{name}', its value is not used", False
+            yield given, f"the type {kind} has no field '{name}', its value is not used", False
         elif (given.type_name, given.dims) != (wanted.type_name, wanted.dims) and not _same_type(given, wanted):
-            yield given.line, f"field '{name}' : invalid type ({given.type_name}), {kind} has {wanted.type_name}", True
+            yield given, f"field '{name}' : invalid type ({given.type_name}), {kind} has {wanted.type_name}", True
         else:
             yield from _wrong(given, wanted.type)
 

@@ -6,14 +6,16 @@ from dataclasses import dataclass, field
 from gateway.pure.languages.val3.encodings import Undecodable, decoded
 
 DEEPEST = 200
+MISMATCH = 7  # code of expat: a tag closes another element
+ENDS = (3, 5, MISMATCH)  # no element found, unclosed token
 
 
 class XmlFault(Exception):
     """The text is not XML that the controller could have written."""
 
-    def __init__(self, line: int, text: str) -> None:
+    def __init__(self, line: int, text: str, column: int = 1) -> None:
         super().__init__(text)
-        self.line, self.text = line, text
+        self.line, self.text, self.column = line, text, column
 
 
 @dataclass(slots=True)
@@ -23,6 +25,7 @@ class Element:
     tag: str
     attributes: dict[str, str]
     line: int
+    column: int = 1
     children: list["Element"] = field(default_factory=list)
     text: str = ""
     text_line: int = 0  # line of the first character of `text`
@@ -48,13 +51,13 @@ class _Builder:
         self.root: Element | None = None
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        element = Element(tag.rpartition(":")[2], attributes, self.parser.CurrentLineNumber)
+        element = Element(tag.rpartition(":")[2], attributes, self.parser.CurrentLineNumber, self.parser.CurrentColumnNumber + 1)
         if self.open:
             self.open[-1].children.append(element)
         elif self.root is None:
             self.root = element
         if len(self.open) >= DEEPEST:
-            raise XmlFault(element.line, f"more than {DEEPEST} nested elements")
+            raise XmlFault(element.line, f"more than {DEEPEST} nested elements", element.column)
         self.open.append(element)
 
     def end(self, _: str) -> None:
@@ -68,7 +71,8 @@ class _Builder:
             element.text += data
 
     def refuse(self, *_: object) -> None:
-        raise XmlFault(self.parser.CurrentLineNumber, "a document type is declared; application files have none")
+        text = "a document type is declared; application files have none"
+        raise XmlFault(self.parser.CurrentLineNumber, text, self.parser.CurrentColumnNumber + 1)
 
 
 def parse_xml(data: bytes) -> Element:
@@ -88,11 +92,21 @@ def parse_xml(data: bytes) -> Element:
     try:
         parser.Parse(read.text.encode("utf-8", "replace"), True)
     except expat.ExpatError as error:
-        raise XmlFault(error.lineno, f"not well-formed XML: {_why(error, read.text)}") from None
+        text = f"not well-formed XML: {_why(error, read.text)}{_left_open(error, builder)}"
+        column = error.offset + 1 - (len("</") if error.code == MISMATCH else 0)  # the tag, not its name
+        raise XmlFault(error.lineno, text, column) from None
     if builder.root is None:
         raise XmlFault(1, "the file is empty")
     builder.root.doubts = read.doubts
     return builder.root
+
+
+def _left_open(error: expat.ExpatError, builder: _Builder) -> str:
+    """The element whose end is missing; "" where that is not the fault."""
+    if error.code not in ENDS or not builder.open:
+        return ""
+    last = builder.open[-1]
+    return f", <{last.tag}> of line {last.line} is not closed"
 
 
 def _why(error: expat.ExpatError, text: str) -> str:
@@ -102,4 +116,4 @@ def _why(error: expat.ExpatError, text: str) -> str:
     letter = line[error.offset : error.offset + 1]
     if letter and letter[0] < 32:
         return f"a control character, {letter[0]:02X}h, in column {error.offset + 1}"
-    return expat.ErrorString(error.code)
+    return expat.ErrorString(error.code).removeprefix("not well-formed (").removesuffix(")")

@@ -39,7 +39,7 @@ def test_right_values_of_all_types_and_attributes_of_other_versions() -> None:
     parts = datum("b", "bool", "2", value("0", value="True") + value("1", value="0")) + datum("n", "num", "1", value(value=" 2.5 "))
     parts += datum("t", "tool", "1", value(fatherId="flange[0]", ioLink="ValveIO\\valve1", open="0.1", ctime=2, note="old"))
     parts += datum("m", "mdesc", "1", value(tmax=99999, rmax=99999, blend="cartesian")) + datum("j", "jointRx", "1", value(j1=-1e2))
-    assert not list(check(App(data=parts)))
+    assert [(each.severity.value, each.text) for each in check(App(data=parts))] == [("warning", "'t' : the attribute note is not read")]
 
 
 def test_a_string_that_is_too_long_is_cut_with_a_warning() -> None:
