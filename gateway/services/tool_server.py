@@ -49,6 +49,7 @@ from protocols.modbus.view import ExceptionCode, Kind
 
 LONGEST = 4096
 CLIENTS = 64  # connected at once; one more gets an answer and is sent away
+NEVER_WRITTEN = "never written"  # value of a name that has none so far
 MOST_ALIKE, ALIKE = 250, 3  # names compared with an unknown one; of more only those that share so many first characters
 STOP = f"{PREFIX}{STOP_PROCESS}"  # is written and never read
 ASKING = ("get", "names", "status", "axes", "job", "ticket", "alive")  # requests that change nothing
@@ -252,7 +253,7 @@ class Variables(Part):
         if name in named:
             sample = named.sample(name)
             age_ms = (self._run.clock() - sample.stamp_ns) / 1e6 if sample.stamp_ns else None
-            value = "never written" if sample.value is None else sample.value
+            value = NEVER_WRITTEN if sample.value is None else sample.value
             return {
                 "address": text,
                 "place": name,
@@ -264,7 +265,10 @@ class Variables(Part):
         try:
             return {"address": text, "place": name, "value": self._values.read(name), **name_unit(self._run.cell, name)}
         except KeyError:
-            return {"error": f"{name}: no such name{_meant(name, self._values.names())}; axisgate var lists them"}
+            names = self._values.names()
+            if name in names:  # of a part that has no value yet
+                return {"address": text, "place": name, "value": NEVER_WRITTEN, **name_unit(self._run.cell, name)}
+            return {"error": f"{name}: no such name{_meant(name, names)}; axisgate var lists them"}
 
     def _phg(self) -> Parameters:
         """Variables of the PHG 2000; KeyError: this cell has none."""

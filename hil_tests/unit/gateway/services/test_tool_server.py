@@ -23,8 +23,11 @@ from gateway.services.page_interface import PageInterfaces
 from gateway.services.part_context import PartContext
 from gateway.services.plant_addresses import PlantAddresses
 from gateway.services.tool_server import LONGEST, Variables
+from gateway.services.value_directory import Reader
 from hil_tests.lab.virtual.cell_bench import DEMO
 from hil_tests.lab.virtual.source_bench import SourceBench
+from protocols.base.machine import Ns
+from protocols.telegrams.fields import Value
 
 BROKEN = b'{"op": "get", "address": "io.broken"}\n'
 GOOD = b'{"op": "names"}\n'
@@ -93,6 +96,28 @@ def test_a_request_too_long_is_reported_and_the_next_one_answered(bench: SourceB
 def test_junk_is_reported(bench: SourceBench, tmp_path: pathlib.Path, request_: bytes) -> None:
     junk, after = told(bench, tmp_path, request_, GOOD)
     assert "error" in junk and "names" in after
+
+
+def test_a_name_without_a_value_so_far_is_a_name(bench: SourceBench, tmp_path: pathlib.Path) -> None:
+    """A part lists it, and its partner has sent nothing yet: the name is right."""
+
+    class Scale:
+        def names(self) -> Iterable[str]:
+            return ("scale.weight",)
+
+        def read(self, name: str, reader: Reader | None) -> Value:
+            raise KeyError(name)
+
+        def valid(self, name: str) -> bool:
+            return False
+
+        def write(self, name: str, value: Value, now: Ns, by: str) -> None:
+            raise KeyError(name)
+
+    bench.values.register(Scale())
+    answers = told(bench, tmp_path, b'{"op": "get", "address": "scale.weight"}\n', b'{"op": "get", "address": "scale.wait"}\n')
+    assert answers[0] == {"address": "scale.weight", "place": "scale.weight", "value": "never written"}
+    assert answers[1]["error"] == "scale.wait: no such name, did you mean scale.weight?; axisgate var lists them"
 
 
 def test_reading_a_word_loads_nothing_while_the_cell_runs() -> None:
