@@ -22,7 +22,7 @@ from gateway.tools.usage_language import complain
 
 EXAMPLES = """examples:
   axisgate record cell.toml -o monday.axrec                 until Ctrl-C; the cell runs in another terminal
-  axisgate record --slug line2 --for 3600 -o hour.axrec     a run by its name, for an hour
+  axisgate record --name line2 --for 3600 -o hour.axrec     a run by its name, for an hour
   axisgate record cell.toml -o monday.axrec                 again: an ended recorder continues its file
 then: axisgate replay monday.axrec --diff
 exit code: 0 done, 1 something was lost (named in the file), 2 command line or file, 3 no such run, or it is being recorded already"""
@@ -33,13 +33,13 @@ def main(argv: list[str]) -> int:
         "axisgate record", description=__doc__, epilog=EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("cell", metavar="CELL", nargs="?", help="cell file, or the name of a shipped one")
-    parser.add_argument("--slug", metavar="NAME", help="name of the run, if it differs from the file")
+    parser.add_argument("--name", "--slug", metavar="NAME", help="name of the run, if it differs from the file")
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True, metavar="FILE")
     parser.add_argument("--for", dest="seconds", type=float, metavar="S", help="seconds (default: until Ctrl-C)")
     parser.add_argument("--json", action="store_true", help="what was kept as JSON")
     options = parser.parse_args(argv)
-    if options.cell is None and options.slug is None:
-        parser.error("name the run with CELL or --slug NAME")
+    if options.cell is None and options.name is None:
+        parser.error("name the run with CELL or --name NAME")
     if options.seconds is not None and options.seconds <= 0:
         parser.error(f"--for {options.seconds:g}: more than 0 s")
     try:
@@ -58,7 +58,7 @@ def _said(error: object, code: int) -> int:
 
 
 def _record(options: argparse.Namespace) -> int:
-    run = options.slug
+    run = options.name
     if run is None:
         named = load(options.cell)
         if isinstance(named, int):

@@ -14,7 +14,16 @@ from gateway.pure.reports.spoken import FIELD
 from gateway.tools.help_language import actions, explained, paragraphs
 
 WORDS = (
+    "assess",
     "check",
+    "demo",
+    "explain",
+    "new",
+    "record",
+    "replay",
+    "status",
+    "stop",
+    "var",
     "run",
     "line",
     "line export",

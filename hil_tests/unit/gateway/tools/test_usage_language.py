@@ -38,7 +38,7 @@ NOT_OF_A_USER = (  # headings of -h, and mistakes of who builds a parser
         ("check cell --language fr", "axisgate check: Fehler: --language: 'fr' gibt es nicht; erlaubt: 'en', 'de'"),
         ("check cell --language", "axisgate check: Fehler: --language: ein Wert fehlt"),
         ("record --for x", "axisgate record: Fehler: --for: 'x' ist keine Zahl"),
-        ("record -o x", "axisgate record: Fehler: den Lauf mit CELL oder --slug NAME angeben"),
+        ("record -o x", "axisgate record: Fehler: den Lauf mit CELL oder --name NAME angeben"),
         ("nonsense-word-of-no-command", "axisgate: unbekannter Befehl 'nonsense-word-of-no-command'; axisgate -h nennt die Befehle"),
         ("chekc", "axisgate: unbekannter Befehl 'chekc', gemeint ist vielleicht 'check'; axisgate -h nennt die Befehle"),
     ],
