@@ -156,6 +156,11 @@ def _memory(check: Context, table: Controller) -> None:
     elif CONTROLLERS[table.kind].parameters and table.kinematics < len(check.cell.robot):
         count = len(check.cell.robot)
         check.fault("controller.kinematics", str(table.kinematics), f"programs move the {count} robots of the cell", f"{count}..10")
+    elif CONTROLLERS[table.kind].markers:
+        from gateway.checks.applications.robotstar import unreadable
+
+        if why := unreadable(folder):
+            check.fault("controller.memory", table.memory, why)
     else:
         programs = {path.stem.upper() for path in folder.iterdir() if path.suffix.upper() == ".QLL"}
         for process in table.process:
@@ -352,5 +357,14 @@ def files(cell: Cell) -> Iterator[Notice]:
             yield Notice("note", f"{table.files}/EXPROG.DAT", f"code {code:02X} selects {name}, {undeclared}")
 
 
+def robotstar_programs(cell: Cell) -> Iterator[Notice]:
+    """Programs of a Reis with errors."""
+    table, folder = cell.controller, memory_folder(cell)
+    if table is not None and folder is not None and CONTROLLERS[table.kind].markers:
+        from gateway.checks.applications.robotstar import programs_with_errors
+
+        yield from programs_with_errors(folder, table.memory)
+
+
 CHECKS = (controller,)
-NOTES = (files, inputs, plc_programs)
+NOTES = (files, inputs, plc_programs, robotstar_programs)

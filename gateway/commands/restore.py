@@ -55,6 +55,8 @@ def main(argv: list[str]) -> int:
         for name in manifest.withheld:
             if not (options.to / name).exists():
                 print(f"not in the backup: {name} (a secret); put it there, readable only by the user of the gateway (0600)")
+        for name in backup.others(manifest, options.to):
+            print(f"stays: {name} is not in the backup; remove it if the programs are to be those of the backup alone")
         print(f"restored; next: axisgate check {options.to / manifest.cell}")
     return DONE
 

@@ -242,6 +242,16 @@ def steps(manifest: Manifest, folder: pathlib.Path) -> list[Step]:
     return found
 
 
+def others(manifest: Manifest, folder: pathlib.Path) -> list[str]:
+    """Files in the folders of programs of a restored cell that the backup does not have: they stay, and act."""
+    with stand_ins(folder, manifest):
+        cell = load_cell(str(folder / manifest.cell))
+    home, known = folder.resolve(), {part.name for part in manifest.parts}
+    there = (path for folder in program_folders(cell) if folder != home and folder.is_relative_to(home) for path in files_below(folder))
+    names = {str(path.relative_to(home)) for path in there if ".before-" not in path.name}
+    return sorted(names - known - set(manifest.withheld))
+
+
 def try_out(path: pathlib.Path, manifest: Manifest) -> None:
     """Unpacks it elsewhere and checks the cell.  BackupError."""
     with tempfile.TemporaryDirectory(prefix="axisgate-") as scratch, zipfile.ZipFile(path) as archive:

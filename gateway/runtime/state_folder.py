@@ -5,6 +5,7 @@ earlier run, a restored backup) has priority over the folder.  A shipped cell an
 which a restart of the computer empties: `axisgate run` reports it.
 """
 
+import glob
 import hashlib
 import os
 import pathlib
@@ -38,7 +39,7 @@ def place(cell: str, kind: str, name: str) -> pathlib.Path:
     """The file `name` of a kind (zero, retain, web) that belongs to this cell file."""
     file = pathlib.Path(cell).resolve()
     beside, state = file.parent / kind, configured()
-    if _stays(file) and (state is None or any(beside.glob(f"{file.stem}.*"))):
+    if _stays(file) and (state is None or any(beside.glob(f"{glob.escape(file.stem)}.*"))):
         return beside / name
     if state is not None:
         same_name_elsewhere = hashlib.sha256(str(file).encode()).hexdigest()[:8]  # another cell.toml must not get these zeros

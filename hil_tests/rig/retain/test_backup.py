@@ -108,7 +108,7 @@ def test_programs_of_all_folders_come_back(name: str, programs: str, below: str,
     assert (other / place.relative_to(tmp_path)).read_text() == "one more program"
 
 
-def test_markers_of_the_plc_come_back(tmp_path: pathlib.Path) -> None:
+def test_markers_of_the_plc_come_back(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     """On a machine they outlive power-off in a file of their own."""
     (tmp_path / "plant").mkdir()
     cell = cell_copy("reis-plc", tmp_path / "plant")
@@ -117,7 +117,11 @@ def test_markers_of_the_plc_come_back(tmp_path: pathlib.Path) -> None:
     assert markers is not None
     markers.parent.mkdir()
     markers.write_bytes(b"markers, timers, counters")
-    assert put_back([str(saved(cell)), "--to", str(tmp_path / "other")]) == 0
+    file, later = saved(cell), tmp_path / "other" / "reis-plc" / "PLC" / "LATER.PLC"
+    later.parent.mkdir(parents=True)
+    later.write_text("PLC LATER\nEND\n")
+    assert put_back([str(file), "--to", str(tmp_path / "other")]) == 0
+    assert "stays: reis-plc/PLC/LATER.PLC is not in the backup" in capsys.readouterr().out
     again = kept_of(load_cell(str(tmp_path / "other" / cell.name)))
     assert again is not None and again.read_bytes() == markers.read_bytes()
 

@@ -2,6 +2,7 @@
 
 import pathlib
 import re
+import shutil
 
 import pytest
 
@@ -119,6 +120,20 @@ def test_programs_with_errors_and_two_of_one_name_are_named(tmp_path: pathlib.Pa
     text = read_text(shipped) + PROCESS.format(step="{ output = 1 }").replace("PICK", "PALLET")
     with pytest.raises(CellFaults, match="palletiser has a program of this name"):
         load_cell(str(tmp_path / "palletiser.toml"), text)
+
+
+def test_programs_of_a_reis_with_errors_are_named_and_a_damaged_memory_is_refused(tmp_path: pathlib.Path) -> None:
+    shipped = find_config("reis-palletiser", "cells")
+    shutil.copytree(shipped.parent / "reis-palletiser", tmp_path / "reis-palletiser")
+    (tmp_path / "reis-palletiser" / "BAD.MPR").write_text('MPR "BAD"\nGOTO\nBLA\nEND\n')
+    (tmp_path / "reis-palletiser" / "MANUAL.PDF").write_bytes(b"x" * 5_000_000)
+    cell = load_cell(str(tmp_path / "reis-palletiser.toml"), read_text(shipped))
+    (notice,) = [each for each in cell.notices if each.where.startswith("reis-palletiser/")]
+    assert notice.where == "reis-palletiser/BAD.MPR"
+    assert str(notice.text) == "2 errors, it does not run: axisgate robotstar check names them"
+    (tmp_path / "reis-palletiser" / ".protection").write_text("nothing\n")
+    with pytest.raises(CellFaults, match="not a letter of a protection"):
+        load_cell(str(tmp_path / "reis-palletiser.toml"), read_text(shipped))
 
 
 def test_the_former_key_of_the_command_source_is_read() -> None:
