@@ -42,9 +42,9 @@ def test_what_lies_beside_the_cell_already_counts(tmp_path: pathlib.Path, monkey
     zeros.append(cell, {"axis": "X", "zero_inc": 7.0})
     monkeypatch.setenv(statefolder.VARIABLE, str(tmp_path / "state"))
     assert zeros.zero_inc(cell, "X") == 7.0, "no zero is lost by naming a folder"
-    beside = tmp_path / "zero" / "line[1].jsonl"
+    beside = tmp_path / "retain" / "line[1].plc"
     beside.write_text("")
-    assert statefolder.place(str(tmp_path / "line[1].toml"), "zero", beside.name) == beside, "whatever its name is"
+    assert statefolder.place(str(tmp_path / "line[1].toml"), "retain", beside.name) == beside, "whatever its name is"
 
 
 def test_run_says_what_does_not_stay(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
