@@ -50,12 +50,17 @@ class Translator(VariableTranslator):
             raise self.fault(node, "invalid number of parameters")
         good = [form for form in counted if all(self._matches(v, p) for v, p in zip(values, form.parameters, strict=True))]
         if not good:
-            return max(counted, key=lambda form: sum(self._matches(v, p) for v, p in zip(values, form.parameters, strict=True)))
+            return max(counted, key=lambda form: self._likeness(values, form))
         if len(good) > 1:
             open_literals = [v for at, v in enumerate(values) if v.type == LITERAL and len({form.parameters[at] for form in good}) > 1]
             if open_literals:
                 raise self.fault(open_literals[0].node, "Ambiguous expression")
         return good[0]
+
+    def _likeness(self, values: list[Value], form: Signature) -> tuple[int, int]:
+        """How many parameters fit before the first that does not, and in all: the form that was meant."""
+        fit = [self._matches(value, parameter) for value, parameter in zip(values, form.parameters, strict=True)]
+        return [*fit, False].index(False), sum(fit)
 
     def _matches(self, value: Value, parameter: str) -> bool:
         kind = parameter.rstrip("&").split("[")[0]

@@ -26,6 +26,7 @@ class Block:
     step: str = ""
     column: int = 1
     default: int = 0  # label of the default branch of a switch
+    branches: bool = False  # a line of a switch was read
     spare: bool = False  # opened by `else if` or by a misspelt word, or around one: whether it has its own end is unknown
 
 

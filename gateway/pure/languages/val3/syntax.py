@@ -193,16 +193,18 @@ class Expressions:
         self.depth += 1
         if self.depth > DEEPEST:
             raise self.fault("expression nested too deeply")
+        start = self.next.start
         left = self._binary(0)
         if self.next.kind == "op" and self.next.text == "=":
             self.take()
             right = self.expression()
-            left = Assign(left.start, right.end, left, right)
+            left = Assign(start, self._end(), left, right)
         self.depth -= 1
         return left
 
     def _binary(self, level: int) -> Node:
         """Operators from this level on; those of a higher level bind tighter."""
+        start = self.next.start
         left = self._unary()
         while True:
             token = self.tokens[self.at]
@@ -211,7 +213,11 @@ class Expressions:
                 return left
             self.at += 1
             right = self._binary(rank + 1)
-            left = Binary(left.start, right.end, token.text.lower(), left, right)
+            left = Binary(start, self._end(), token.text.lower(), left, right)
+
+    def _end(self) -> int:
+        """Where the last token ends, a closing parenthesis for instance."""
+        return self.tokens[self.at - 1].end
 
     def _unary(self) -> Node:
         token = self.next
@@ -222,7 +228,7 @@ class Expressions:
                 raise self.fault("expression nested too deeply")
             operand = self._unary()
             self.depth -= 1
-            return Unary(token.start, operand.end, token.text, operand) if token.text != "+" else operand
+            return Unary(token.start, self._end(), token.text, operand) if token.text != "+" else operand
         return self._postfix(self._operand())
 
     def _postfix(self, node: Node) -> Node:
@@ -230,7 +236,7 @@ class Expressions:
             if self.next.kind == "op" and self.next.text == "[":
                 self.take()
                 indices = self._list("]")
-                node = Index(node.start, self.tokens[self.at - 1].end, node, indices)
+                node = Index(node.start, self._end(), node, indices)
             elif self.next.kind == "op" and self.next.text == ".":
                 self.take()
                 name = self._name()
@@ -269,7 +275,7 @@ class Expressions:
         if self.next.kind == "op" and self.next.text == "(":
             self.take()
             arguments = self._list(")")
-            return Invoke(start, self.tokens[self.at - 1].end, library, token.text, arguments)
+            return Invoke(start, self._end(), library, token.text, arguments)
         return Name(start, token.end, library, token.text)
 
     def _name(self, program: bool = False) -> Token:
@@ -297,5 +303,5 @@ class Expressions:
             empty = self.next.kind == "op" and self.next.text in (",", "}")
             parts.append(None if empty else self.expression())
             if self.meets("}"):
-                return Literal(start, self.tokens[self.at - 1].end, parts)
+                return Literal(start, self._end(), parts)
             self.demand("," if self.next.kind != "end" else "}")

@@ -161,6 +161,7 @@ class ProgramTranslator:
         word = first.text.lower() if first.kind == "name" and parser.tokens[1].text not in ("=", "[", ".") else ""  # do[1] is a variable
         translator = Translator(self.scope, line)
         handler: Callable[[Expressions, Translator], None] | None = getattr(self, f"_do_{word}", None) if word in STATEMENTS else None
+        early = self._before_case(word)
         self.missing = self._add_ons(parser)
         if self.missing and word not in CONDITIONS:
             self._emit([f"raise Rte(250, {self.missing!r})"])
@@ -174,6 +175,8 @@ class ProgramTranslator:
             return
         node = parser.expression()
         parser.finish()
+        if early:
+            raise translator.fault(node, "case expected")
         if isinstance(node, Assign):
             code, waits = translator.assignment(node)
             self._emit([code, "return @next@"], waits)
@@ -182,6 +185,14 @@ class ProgramTranslator:
             self._emit([value.code, "return @next@"], value.waits)
         else:
             raise translator.fault(node, "instruction expected")
+
+    def _before_case(self, word: str) -> bool:
+        """Whether a line that belongs to no branch follows a switch (L812); one of them is reported."""
+        block = self.blocks[-1] if self.blocks else None
+        if block is None or block.kind != "switch" or block.branches:
+            return False
+        block.branches = True
+        return word not in ("case", "default", "endswitch")
 
     def _add_ons(self, parser: Expressions) -> str:
         """Warn of each call of an add-on in a line; return the first one, at which the line stops its task."""

@@ -112,3 +112,22 @@ def test_a_fault_of_a_file_has_its_german(sentence: str) -> None:
 )
 def test_the_words_of_a_controller_stay(sentence: str) -> None:
     assert spoken("val3-files").german(sentence) == sentence
+
+
+@pytest.mark.parametrize(
+    ("code", "line", "column", "text"),
+    [
+        ("b=(n=1)", 2, 1, "'b=(n=1)' : Invalid binary operator for these types"),
+        ("n=(n+1)*s", 2, 3, "'(n+1)*s' : Invalid binary operator for these types"),
+        ("b=!(n+1)", 2, 3, "'!(n+1)' : Invalid unary operator for this type"),
+        ("link(p,t)", 2, 8, "'t' : invalid type"),
+        ("n=distance(p,t)", 2, 14, "'t' : invalid type"),
+        ("switch n\n// remark\nn=3\nn=4\ncase 1\nbreak\nendSwitch", 4, 1, "'n=3' : case expected"),
+        ("switch n\ncse 1\nn=3\nbreak\nendSwitch", 3, 5, "'1' : end of line expected"),
+    ],
+)
+def test_a_fault_of_a_line_has_its_column_and_all_its_text(code: str, line: int, column: int, text: str) -> None:
+    data = "".join(datum(name, kind) for name, kind in (("n", "num"), ("b", "bool"), ("s", "string"), ("p", "point"), ("t", "tool")))
+    loaded = Loader(disk(App(data=data, programs={"start": code}))).load("demo", "demo")
+    assert loaded is not None
+    assert [(each.position.line, each.position.column, each.text) for each in loaded.faults] == [(line, column, text)]
