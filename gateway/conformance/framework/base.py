@@ -47,11 +47,15 @@ class Tester:
     def __init__(self) -> None:
         self.notes = Notes()
         self.supply: Supply | None = None  # of the device
+        self.case = ""  # id of the running one
         self._preparing = 0
 
     def late(self) -> Ns:
         """By how much this host was held up since the case began."""
         return 0
+
+    def standing(self) -> None:
+        """Judged at the end of each case that did not end before: what holds in all of them."""
 
     def uncertainty(self) -> Ns:
         """Uncertainty of a measured time."""

@@ -102,8 +102,9 @@ class Runner:
         for before in purpose.preamble:
             failed = self.results.get(before)
             if failed is not None and failed.verdict in (Verdict.FAIL, Verdict.INCONC, Verdict.ERROR) and not failed.uncertain:
-                reason = f"not run: the preamble needs {before}, which is {failed.verdict.value} ({failed.reason})"
-                return Result(purpose, Verdict.INCONC, reason, failed.expected, failed.got, before)
+                root = self.results.get(failed.caused_by, failed) if failed.verdict is Verdict.INCONC else failed
+                reason = f"not run: the preamble needs {root.purpose.id}, which is {root.verdict.value} ({root.reason})"
+                return Result(purpose, Verdict.INCONC, reason, root.expected, root.got, root.purpose.id)
         return self._left_behind(purpose) or self._repeated(purpose)
 
     def _left_behind(self, purpose: Purpose[Tester]) -> Result | None:
@@ -193,7 +194,7 @@ class Runner:
     def _once(self, purpose: Purpose[Tester]) -> tuple[Result, bool]:
         """One try; True: it should be repeated."""
         tester = self.session.tester
-        tester.notes = Notes()
+        tester.notes, tester.case = Notes(), purpose.id
         start = self.session.now()
         result = Result(purpose, Verdict.PASS)
         again = False
@@ -237,6 +238,7 @@ class Runner:
     def _played(self, purpose: Purpose[Tester], result: Result) -> bool:
         try:
             purpose.body(self.session.tester)
+            self.session.tester.standing()
         except Ended as ended:
             self._end(result, ended)
             if isinstance(ended, Disturbed):

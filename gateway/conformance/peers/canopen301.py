@@ -292,6 +292,7 @@ MUTANT_ROWS: tuple[Row, ...] = (
     _row("fixed-identifier", "1800h:01 does not change its identifier", "PDO_BV_07", says=fixed_identifier),
     _row("always-operational", "pre-operational is never entered again", "NMT_BV_03 PDO_BO_01", always_operational),
     _row("each-50th", "one TPDO in 50 is lost", "PDO_ST_01", says=each_50th),
+    _row("never-says-gone", "no EMCY 0000h", "ERR_BV_10", says=never_says_gone),
     _row("deaf-rpdo", "does not hear RPDO 1", "PDO_BV_08", hears=deaf(cobid.rpdo(1, NODE))),
     _row("rpdo-at-once", "RPDOs never wait for SYNC", "PDO_BV_09", rpdo_at_once),
     _row("first-rpdo", "of several RPDOs the first counts", "PDO_BV_10", first_rpdo),
@@ -441,7 +442,6 @@ VARIANTS = (
     _good("smallest", "1000h, 1001h, 1017h and 1018h only", lambda: Drive(lacks=(*PDOS, *MORE))),
     _good("late-ready", "SDOs 800 ms after its boot-up message", lambda: Drive(late_ready)),
     _good("coarse-beats", "a heartbeat by a clock of 10 ms", lambda: Drive(coarse_beats)),
-    _good("never-says-gone", "no EMCY 0000h", lambda: Drive(says=never_says_gone)),
     _good("patient-consumer", "misses a heartbeat after 1.3 of its times", lambda: Drive(consumer(1.3))),
     _good("slow-tpdo", "TPDOs 2 ms after SYNC", lambda: Drive(settings=DriveSettings(QUICK, tpdo_delay_us=2000, tpdo_spread_us=500))),
 )

@@ -9,6 +9,7 @@ from drivers.emulator.servo.settings import DriveSettings, ServoSettings
 from gateway.conformance.peers.can_devices import NODE, QUICK, Drive, Says, Tune, put
 from gateway.conformance.peers.canopen301_frames import chatty, deaf, on
 from gateway.conformance.peers.canopen301_parts import Late
+from gateway.conformance.peers.canopen301_states import never_says_gone
 from gateway.conformance.peers.cia402_effects import (
     STEEP,
     absolute_offset,
@@ -268,6 +269,9 @@ ROWS: tuple[Row, ...] = (
         "PWR_BV_01",
         _status(lambda drive, word: 0x21 if word & 0x4F == 0x40 else word),
     ),
+    _row("no-bit-4", "bit 4 voltage enabled is never set", "PWR_CA_02", _status(lambda drive, word: word & ~0x10)),
+    _row("no-bit-9", "bit 9 remote is never set", "PWR_CA_02", _status(lambda drive, word: word & ~0x200)),
+    _row("never-says-gone", "no EMCY 0000h", "FLT_BV_11", says=never_says_gone),
     _row("no-shutdown", "no transition 2", "PWR_BV_02", _deaf_in(S.DISABLED, 6)),
     _row("no-switch-on", "no transition 3", "PWR_BV_03", _deaf_in(S.READY, 7)),
     _row("no-enable", "no transition 4", "PWR_BV_04", _deaf_in(S.ON, 15)),

@@ -18,7 +18,7 @@ from gateway.conformance.serial.partners import (
 )
 from protocols.base.machine import Damage, Ns, ms
 from protocols.p3964r.characters import Char, check_of
-from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent
+from protocols.p3964r.events import BlockReceived, BlockRefused, BlockSent, SendFailed
 from protocols.p3964r.profiles import RHO3, Priority
 from protocols.p3964r.sender import State as Saying
 
@@ -33,6 +33,20 @@ class LateDle(Built):
             self.link._box.output += lost + DLE + bytes((Char.ETX,))
             return []
         return super().receive(data, now)
+
+
+class GivesUpForEver(Built):
+    """After a job that it gave up no job is sent any more."""
+
+    _over = False
+
+    def _handle(self, events: Sequence[object], now: Ns) -> Sequence[object]:
+        self._over = self._over or any(isinstance(event, SendFailed) for event in events)
+        return super()._handle(events, now)
+
+    def stimulate(self, now: Ns, block: bytes = OWN_BLOCK) -> None:
+        if not self._over:
+            super().stimulate(now, block)
 
 
 class BreakHangs(Built):

@@ -372,7 +372,7 @@ ROWS: tuple[Row, ...] = (
         "PAR_BO_01",
         _takes(Status.DRIVES_ON),
     ),
-    _reports("each-20th", "each 20th actual value is missing", "CYC_TI_01", _every(20)),
+    _reports("each-700th", "each 700th actual value is missing", "CYC_ST_01", _every(700)),
     _says("twice-under-control", "two actual values for one SYNC under control", "MOV_BV_13", phase.twice),
     _reports("code-left", "the fault code is shown again with power", "FLT_BV_04", phase.code_left),
     _reports("power-dips", "power is shown off when control begins", "PWR_BV_02", phase.power_dips),

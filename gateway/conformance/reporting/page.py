@@ -169,6 +169,17 @@ def _waived(case: Mapping[str, object], word: Word) -> str:
     return f"<br><small>{word('waived by {} until {}: {}', waived['who'], waived['until'], waived['reason'])}</small>"
 
 
+CLAUSES = {  # beginnings of clauses that name no public document
+    "serial-protocols": (
+        "summary of the manuals by axisgate; 3964(R): 1.1 characters, 1.2 block check, 1.3 sender, 1.4 receiver, 1.5 times, 1.6 "
+        "priority; RK512: 2.1 command, 2.2 reaction, 2.3 follow-on telegrams, 2.4 error numbers, 2.5 coordination flag, 2.6 order "
+        "of jobs. Manuals: Siemens CP 340 (A5E00369892), CP 341 (A5E02191071), CP 440 (A5E00057742); Bosch R500 computer "
+        "interface (1070 072 131-102); VIPA CP 240 (HB97E-CP)"
+    ),
+    "AX-": "decision of axisgate, in its documentation (docs/decisions.md)",
+}
+
+
 def _laboratory(found: Mapping[str, object], word: Word) -> list[str]:
     stated = _table(found, "bench", "report")
     rows = [(word(name.replace("_", " ")), stated.get(name, "")) for name in LABORATORY]
@@ -185,6 +196,9 @@ def _laboratory(found: Mapping[str, object], word: Word) -> list[str]:
         parts += [(f"<h2>PICS</h2>{_rows(part)}", _height(part)) for part in _parts(stated_pics)]
     else:
         parts.append((f"<h2>PICS</h2><p>{word('Nothing was stated.')}</p>", 3 * LINE))
+    named = [(start, word(text)) for start, text in CLAUSES.items() if any(case["clause"].startswith(start) for case in cases_of(found))]
+    if named:
+        parts.append((f"<h2>{word('Sources of the clauses')}</h2>{_rows(named)}", _height(named)))
     for part in _parts(assumed):
         listed = "".join(f"<li>{_e(text)}" for text in part)
         parts.append((f"<h2>{word('Assumed')}</h2><ul>{listed}</ul>", LINE * (3 + sum(_lines(text, WIDE) for text in part))))

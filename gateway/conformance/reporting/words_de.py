@@ -73,6 +73,18 @@ GERMAN = {
     "took": "Dauer",
     "role": "Rolle",
     "clause": "Fundstelle",
+    "Sources of the clauses": "Quellen der Fundstellen",
+    "summary of the manuals by axisgate; 3964(R): 1.1 characters, 1.2 block check, 1.3 sender, 1.4 receiver, 1.5 times, 1.6 "
+    "priority; RK512: 2.1 command, 2.2 reaction, 2.3 follow-on telegrams, 2.4 error numbers, 2.5 coordination flag, 2.6 order "
+    "of jobs. Manuals: Siemens CP 340 (A5E00369892), CP 341 (A5E02191071), CP 440 (A5E00057742); Bosch R500 computer "
+    "interface (1070 072 131-102); VIPA CP 240 (HB97E-CP)": (
+        "Zusammenfassung der Handbücher durch axisgate; 3964(R): 1.1 Zeichen, 1.2 Blockprüfung, 1.3 Sender, 1.4 Empfänger, 1.5 "
+        "Zeiten, 1.6 Priorität; RK512: 2.1 Befehl, 2.2 Reaktion, 2.3 Folgetelegramme, 2.4 Fehlernummern, 2.5 "
+        "Koordinierungsmerker, 2.6 Reihenfolge der Aufträge. Handbücher: Siemens CP 340 (A5E00369892), CP 341 (A5E02191071), CP "
+        "440 (A5E00057742); Bosch R500 Rechnerkopplung (1070 072 131-102); VIPA CP 240 (HB97E-CP)"
+    ),
+    "decision of axisgate, in its documentation (docs/decisions.md)": "Entscheidung von axisgate, in dessen Dokumentation "
+    "(docs/decisions.md)",
     "This report states how the tested item behaved in the listed tests on the listed bench. It is not a certificate and not a conformity "
     "test of CAN in Automation, the Modbus Organization or any manufacturer. Results relate only to the item tested.": "Dieser Bericht "
     "gibt wieder, wie sich der Prüfgegenstand in den aufgeführten Prüfungen an der aufgeführten Prüfumgebung verhielt. Er ist kein "

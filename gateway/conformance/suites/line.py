@@ -21,6 +21,7 @@ MOST_REST = 8  # characters after a block
 MOST_JOBS = 8  # of the station may wait for their answers
 TRIES = 12  # connection attempts of the station that may pass first
 MOST_BLOCK = 4200  # characters; more are not a block
+JOB_WAIT = ms(20_500)  # a station may wait 20 s for a reaction before its next job
 BETWEEN = ms(60)  # between an answer and a STX that belongs to something else
 
 
@@ -80,6 +81,7 @@ class LineTester(Tester):
         self.on_block: Callable[[bytes], None] | None = None  # handler of an unexpected block
         self.unanswered = b""  # the station's last block, until a telegram of ours follows it
         self.on_unanswered: Callable[[bytes], bool] | None = None  # sends what the station waits for before its next job, if it can
+        self.sends_last = ""  # the case in which a stimulus last brought a STX
         self._answering = False
         self._judges_stx = False
 
@@ -382,14 +384,24 @@ class LineTester(Tester):
         return bytes(4) if self.setup.pics.get("rk512") else b"UC"
 
     def starts_sending(self) -> None:
-        """Make the station send; wait for its STX."""
-        if self.setup.stimulus is None:
+        """Make the station send; wait for its STX.  FAIL once if it sent before and does not any more."""
+        if (stimulus := self.setup.stimulus) is None:
             raise NotApplicable("the bench names no [stimulus] and the station has none of its own")
         with self.given():
             if self.answers_jobs():
                 self.settle(BETWEEN)
-            self.setup.stimulus(self)
-            self.first_stx(self.setup.stimulus_wait)
+            stimulus(self)
+        try:
+            with self.given():
+                self.first_stx(self.setup.stimulus_wait)
+        except Inconclusive as ended:
+            before, self.sends_last = self.sends_last, ""
+            if not before or self.setup.stimulus_name in ("fetch", "operator") or ended.got != named(None):
+                raise
+            stimulus(self)
+            if self.answer(JOB_WAIT) != Char.STX:
+                raise Fail(f"it sends no job any more; it sent the last one in {before}", ended.expected, "nothing") from ended
+        self.sends_last = self.case
 
     def first_stx(self, within: Ns) -> None:
         """Its STX; a NAK before it (it became ready) is passed over."""

@@ -299,6 +299,9 @@ class LineSession:
         self.tester.alive()
         if self._rk512 and self.pics.get("passive"):
             found = self._asked()
+            if found.number:  # perhaps the answer to our block: some stations answer a reaction
+                self.tester.settle()
+                found = self._asked()
             if found.number:
                 raise Fail(f"FETCH is refused: {found.words()}", "00h", found.words())
 

@@ -217,11 +217,11 @@ def not_before(t: NodeTester) -> None:
             raise Fail("a TPDO in state pre-operational", "nothing", "a TPDO")
 
 
-@PDO.case("ST_01", "200 SYNCs, 200 TPDOs", "200 SYNCs, 200 TPDOs", condition=SENDS)
+@PDO.case("ST_01", "1500 SYNCs, 1500 TPDOs", "1500 SYNCs, 1500 TPDOs", condition=SENDS)
 def many(t: NodeTester) -> None:
     with transmission(t, 1) as identifier:
         t.pause(t.setup.cycle)
-        counts = [len(frames) for frames in synced(t, identifier, 200)]
+        counts = [len(frames) for frames in synced(t, identifier, 1500)]
     if set(counts) != {1}:
         bad = next(at for at, count in enumerate(counts) if count != 1)
         raise Fail(f"{counts[bad]} TPDOs after SYNC {bad + 1}", "1", str(counts[bad]))

@@ -16,7 +16,7 @@ from gateway.conformance.suites.canopen301.life import (
 )
 from gateway.conformance.suites.canopen301.network import entered
 from gateway.pure.conformance.purpose import Particulars, Purposes
-from gateway.pure.conformance.verdict import Fail, NotApplicable, Warn
+from gateway.pure.conformance.verdict import Fail, Inconclusive, NotApplicable
 from protocols.base.machine import Frame, ms
 from protocols.canopen import cob_id as cobid
 from protocols.canopen.emcy import decode
@@ -212,7 +212,7 @@ def inhibited(t: NodeTester) -> None:
             t.say_on(cobid.heartbeat(MASTER), bytes((State.OPERATIONAL,)))
             frame = t.hear((t.emcy,), ms(3 * INHIBIT_MS))
             if frame is None:
-                raise Warn("no message that the error is gone", "EMCY 0000h", "nothing")
+                raise Inconclusive("preamble: no message that the error is gone", "EMCY 0000h", "nothing")
             t.timed("from emergency to emergency", frame.stamp_ns - first, ms(0.9 * INHIBIT_MS), None)
 
 

@@ -227,8 +227,9 @@ def both_at_once(t: NodeTester) -> None:
 def bits(t: NodeTester) -> None:
     with brought_to(t, ENABLED):
         got = status(t)
-        if got & 0x210 != 0x210:
-            raise Warn(f"statusword {named(got)}", "bits 4 and 9 set", named(got))
+        for bit, name in ((4, "voltage enabled"), (9, "remote")):
+            if not got >> bit & 1:
+                raise Fail(f"bit {bit} ({name}) of the statusword is clear in operation enabled", "bits 4 and 9 set", named(got))
 
 
 @PWR.case("RC_01", "ten times on and off", "zehnmal ein und aus", condition=("may_power",), preamble=_needs((*FULL, 10)))

@@ -192,8 +192,9 @@ def _works(t: LineTester, after: str) -> None:
     """One that stops working is FAIL."""
     try:
         again = _next(t)
-    except Inconclusive as ended:
-        raise Fail(f"after {after} it sends no job any more: {ended.reason}", "STX (02h) and a command", ended.got or "nothing") from ended
+    except (Inconclusive, Fail) as ended:
+        seen = ended.reason if isinstance(ended, Inconclusive) else "nothing"
+        raise Fail(f"after {after} it sends no job any more: {seen}", "STX (02h) and a command", ended.got or "nothing") from ended
     t.good(right_reaction(again), "the right reaction to the next job")
     finish(t, again)
     got = t.answer(ms(100))

@@ -8,14 +8,14 @@ from typing import Any
 from gateway.conformance.framework.base import hexed
 from gateway.conformance.framework.frame_wire import FrameWire
 from gateway.conformance.suites.can.tester import CanTester, shown
-from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive
+from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, Warn
 from protocols.base.errors import DecodeError
 from protocols.base.machine import Frame, Ns, ms
 from protocols.servodyn.codec import SYNC, ActualValue, Codec, SetValue
 from protocols.servodyn.parameters import Answer, Request, answer_id, decode_answer, encode_request
 
 LONG = ms(8000)
-ACTUAL = "one actual value"
+ACTUAL, EACH = "one actual value", "one actual value after each SYNC"
 
 
 @dataclass(slots=True)
@@ -47,6 +47,10 @@ class BoosterTester(CanTester):
         self._grid: Ns = 0
         self._sequence = 0
         self.answers = False  # to a parameter, right or wrong
+        self.syncs = self.missing = 0  # SYNCs of this run, and single ones without an actual value
+        self.counted = False  # SERVO_CYC_ST_01 has passed, and no case has met one since
+        self._lone = 0  # missing in this case, with an actual value before and after
+        self._held = False  # the SYNC before had no actual value
 
     @property
     def actual_id(self) -> int:
@@ -74,6 +78,7 @@ class BoosterTester(CanTester):
         self.pause(self._grid - self.now())
         self.drain()
         self.say(SYNC.identifier)
+        self.syncs += 1
 
     def say_set(self) -> None:
         if self.life_runs:
@@ -82,16 +87,35 @@ class BoosterTester(CanTester):
         self.say_on(frame.identifier, frame.data)
 
     def answered(self) -> ActualValue:
-        """Judged: the actual value of the SYNC just sent, within its cycle."""
+        """Judged: the actual value of the SYNC just sent, within its cycle.  For a single missing one the value before it counts."""
         start = self.asked_at
         frame = self.hear((self.actual_id,), self.limit + self.uncertainty())
         if frame is None:
-            raise Fail("no actual value after SYNC", f"{ACTUAL} on {self.actual_id:03X}h within {self.limit / 1e6:g} ms", "nothing")
+            if self.last is None or self._held:
+                self.last, self._held = None, False
+                raise Fail("no actual value after SYNC", f"{ACTUAL} on {self.actual_id:03X}h within {self.limit / 1e6:g} ms", "nothing")
+            self._held = True
+            return self.last
+        if self._held:
+            self.missing, self._lone, self._held = self.missing + 1, self._lone + 1, False
         self.last = self.read(frame)
         self.answered_after = self.answered_at - start
         return self.last
 
     answered_after: Ns = 0
+
+    def begin(self) -> None:
+        super().begin()
+        self._lone, self._held, self.last = 0, False, None
+
+    def standing(self) -> None:
+        """A lone missing actual value decides no other question: SERVO_CYC_ST_01 judges it, after that the first case that meets one."""
+        if not self._lone:
+            return
+        if self.counted:
+            self.counted = False
+            raise Fail(f"{self.missing} of {self.syncs} SYNCs without an actual value", EACH, "nothing")
+        raise Warn(f"SYNCs without an actual value: {self._lone}; SERVO_CYC_ST_01 judges this", EACH, "nothing")
 
     def turn(self, count: int = 1, with_set: bool = True) -> ActualValue:
         """So many cycles; without control the set position follows the actual one."""

@@ -62,6 +62,7 @@ def test_page_and_progress_are_german_and_json_is_english(tmp_path: pathlib.Path
     page = html.unescape((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert "nach Blockprüfzeichen mit falschem Bit 0: nichts, erwartet NAK (15h)" in said
     assert "Erwartet: NAK (15h)" in page and "Erhalten: nichts" in page
+    assert "Quellen der Fundstellen" in page and "1.4 Empfänger" in page and "Siemens CP 340 (A5E00369892)" in page
     assert '"got": "nothing"' in (tmp_path / "report.json").read_text(encoding="utf-8")
 
 
