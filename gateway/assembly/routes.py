@@ -58,6 +58,9 @@ def devices_of(cell: Cell) -> Mapping[str, str]:
     return {**{name: whole for name, whole in full if short.count(name) == 1}, **{whole: whole for _, whole in full}}
 
 
+COMMANDS = ("val3.run", "val3.move")  # values that start something when they become 1 (AX-1842)
+
+
 def compile_route(
     route: Route, symbols: Mapping[str, RcBit], lines: Mapping[int, str], devices: Mapping[str, str] = NO_DEVICES
 ) -> Compiled:
@@ -69,7 +72,7 @@ def compile_route(
     low, high = span_of(target.form) if bounded else (float("-inf"), float("inf"))
     settings = RouteSettings(
         route.name, route.scale, route.offset, low, high, Edge(route.edge), ms(route.pulse_ms), ms(route.debounce_ms), ms(route.every_ms),
-        Loss(route.on_loss), route.loss_value, ms(route.loss_after_ms),
+        Loss(route.on_loss), route.loss_value, ms(route.loss_after_ms), target.world is World.NAME and target.name in COMMANDS,
     )  # fmt: skip
     valid = place_of(route.valid, BIT, "ABCD", symbols, lines) if route.valid else None
     life = place_of(route.life, MARK_FORM, "ABCD", symbols, lines) if route.life else None

@@ -48,6 +48,7 @@ class RouteSettings:
     loss: Loss = Loss.HOLD
     loss_value: float = 0.0  # as the target shows it
     loss_after_ns: Ns = 0
+    command: bool = False  # 1 starts something: a 1 found when the source begins or comes back is passed on only where the target shows it
 
 
 class Route:
@@ -67,6 +68,7 @@ class Route:
         self._pulse_until: Ns | None = None
         self._changed_ns: Ns | None = None
         self._misfit = False
+        self._armed = False  # a command may start: its source has shown 0
 
     def step(self, now: Ns, source: float | None) -> bool:
         """True: value or validity are others than before."""
@@ -80,7 +82,7 @@ class Route:
     def _follow(self, now: Ns, source: float) -> None:
         self.life = (self.life + 1) % LIFE
         if not self._alive:
-            self._alive, self._lost_since = True, None
+            self._alive, self._lost_since, self._armed = True, None, not self.settings.command
             self._seen = self._before = self._changed_ns = None
         settled = self._settled(now, source)
         if settled is None:
@@ -101,7 +103,9 @@ class Route:
         """What the target is to show; None: leave it."""
         edge = self.settings.edge
         if edge is Edge.LEVEL:
-            return settled * self.settings.scale + self.settings.offset
+            wanted = settled * self.settings.scale + self.settings.offset
+            self._armed = self._armed or not wanted or wanted == self.value
+            return wanted if self._armed else 0.0
         if edge is Edge.CHANGE:
             moved = self._before is not None and settled != self._before
             fresh = moved or (self.valid and self.value is not None)

@@ -179,11 +179,16 @@ def compare_reports(arguments: argparse.Namespace) -> int:
         print(json.dumps([{"id": name, "before": before, "now": now} for name, before, now in rows]))
     else:
         said = language(arguments)
+        alone = [(before, now) for _, before, now in rows if "-" in (before, now) and not is_worse(before, now)]
+        rows = [row for row in rows if row[1:] not in alone]
         for name, before, now in rows:
             worse = f" {verdict_text('worse', said)}" if is_worse(before, now) else ""
             print(f"{name:22} {before:7} -> {now:7}{worse}".rstrip())
         differ = "1 verdict differs" if len(rows) == 1 else f"{len(rows)} verdicts differ"
         print(verdict_text(differ if rows else "all verdicts are the same", said))
+        for path, count in ((arguments.a, sum(now == "-" for _, now in alone)), (arguments.b, sum(before == "-" for before, _ in alone))):
+            if count:
+                print(verdict_text(f"only in {path}: {count} of the cases", said))
     return FINDING if any(is_worse(before, now) for _, before, now in rows) else DONE
 
 

@@ -307,6 +307,9 @@ class HostedApplication:
     def _move(self, cell: CellState, now: Ns) -> None:
         """Stop, continue, abandon: each once the axes are in the required state."""
         stays = self._halted or self._held or self._drop
+        if cell.motion in (Motion.IDLE, Motion.RUNNING):  # a permission is for the stop it follows, never for a later one
+            self._moves = False
+            self._stopped = self._stopped and (stays or now < self._again)  # a stop on its way is not yet seen
         if (stays and cell.motion is Motion.RUNNING and self._path is not None) or (self._drop and cell.motion is Motion.RUNNING):
             self._stopped = True
             self._once(Code.STOP, now)

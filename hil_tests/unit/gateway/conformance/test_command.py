@@ -330,6 +330,13 @@ def test_failed_from_only_and_compare(tmp_path: pathlib.Path, capsys: pytest.Cap
     code, found, _ = run(capsys, "3964r", "--bench", BENCHES / "good.toml", "--failed-from", old)
     behind = ["3964R_CON_BO_02", "3964R_CON_ST_01", "3964R_CON_BV_04", "3964R_CON_BI_02", "3964R_CON_RC_01"]
     assert code == 0 and [case["id"] for case in found["cases"]] == ["3964R_CON_BV_02", *behind]
+    part = tmp_path / "part.json"
+    part.write_text(json.dumps(found))
+    capsys.readouterr()
+    assert main(["compare", str(old), str(part)]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in said[:6]] == ["3964R_CON_BV_02", *behind] and said[6] == "6 verdicts differ"
+    assert said[7:] == [f"only in {old}: 103 of the cases"]
     assert main(["compare", str(old), str(new)]) == 0
     assert main(["compare", str(new), str(old)]) == 1
     assert "3964R_CON_BV_02" in capsys.readouterr().out

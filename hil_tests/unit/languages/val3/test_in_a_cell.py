@@ -164,6 +164,23 @@ def test_a_stop_of_another_source_holds_until_the_operator_lets_it_move() -> Non
     assert cell.ends(run)[0] == "ended" and cell.at()[0] == pytest.approx(15, abs=0.01)
 
 
+@pytest.mark.parametrize("before", ["", "stopMove()\ndelay(0.5)\nresetMotion()\nmovej(jB,tHand,mSlow)\n"])
+def test_what_released_one_stop_does_not_release_the_next(before: str) -> None:
+    cell = cell_of(f"movej(jA,tHand,mStop)\nmovej(jB,tHand,mSlow)\ndelay(0.8)\n{before}doDone=true\nwaitEndMove()")
+    run = cell.start()
+    cell.until(lambda: bool(cell.outputs) and cell.places[-1][0] > 6.0)
+    if not before:
+        cell.control.put("val3.move", 1.0)
+    cell.bench.run(0.2)
+    cell.bench.give(Code.STOP, source=1)
+    cell.until(lambda: cell.bench.core.state.motion is Motion.STOPPED)
+    held = cell.at()
+    cell.bench.run(1.0)
+    assert cell.at() == held and held[0] < 14.5
+    cell.control.put("val3.move", 1.0)
+    assert cell.ends(run)[0] == "ended" and cell.at()[0] == pytest.approx(15, abs=0.01)
+
+
 def test_the_plc_starts_holds_and_stops_it() -> None:
     cell = cell_of("movej(jA,tHand,mStop)\nmovej(jB,tHand,mSlow)\nwaitEndMove()\nwait(diPart)", stop="doDone=true")
     cell.control.put("val3.run", 1.0)

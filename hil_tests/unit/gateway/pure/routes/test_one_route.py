@@ -4,6 +4,8 @@ import math
 
 import pytest
 
+from gateway.assembly.routes import compile_route
+from gateway.pure.cell.routes import Route as CellRoute
 from gateway.pure.routes.route import Edge, Loss, Route, RouteSettings, RouteTable
 from protocols.base.machine import ms
 
@@ -71,6 +73,28 @@ def test_what_was_set_before_a_loss_does_not_shorten_the_debounce_after_it() -> 
 def test_the_rate_limit_delays_and_never_swallows_the_last_value() -> None:
     told = play(RouteSettings("r", rate_ns=ms(100)), (0, 1.0), (10, 2.0), (20, 3.0), (99, 3.0), (100, 3.0), (150, 4.0), (200, 4.0))
     assert [value for value, _ in told] == [1.0, 1.0, 1.0, 1.0, 3.0, 3.0, 4.0]
+
+
+@pytest.mark.parametrize(
+    ("loss", "source", "shown"),
+    [
+        (Loss.HOLD, (1.0, 1.0, 0.0, 1.0), [0.0, 0.0, 0.0, 1.0]),  # a bit that is set when the source begins
+        (Loss.HOLD, (0.0, 1.0, None, 1.0, 0.0), [0.0, 1.0, 1.0, 1.0, 0.0]),
+        (Loss.HOLD, (0.0, 1.0, None, 0.0, 1.0), [0.0, 1.0, 1.0, 0.0, 1.0]),
+        (Loss.HOLD, (0.0, None, 1.0, 0.0, 1.0), [0.0, 0.0, 0.0, 0.0, 1.0]),
+        (Loss.ZERO, (0.0, 1.0, None, 1.0, 0.0, 1.0), [0.0, 1.0, 0.0, 0.0, 0.0, 1.0]),
+    ],
+)
+def test_a_command_that_is_still_set_when_its_source_comes_starts_nothing(
+    loss: Loss, source: tuple[float | None, ...], shown: list[float]
+) -> None:
+    told = play(RouteSettings("r", loss=loss, command=True), *enumerate(source))
+    assert [value for value, _ in told] == shown
+
+
+@pytest.mark.parametrize(("to", "command"), [("val3.run", True), ("val3.move", True), ("val3.hold", False), ("io.run", False)])
+def test_starting_and_moving_are_commands_holding_is_none(to: str, command: bool) -> None:
+    assert compile_route(CellRoute(name="run", from_="711", to=to), {}, {}).settings.command is command
 
 
 @pytest.mark.parametrize(("edge", "first", "second"), [(Edge.RISING, 0.0, 1.0), (Edge.FALLING, 1.0, 0.0)])
