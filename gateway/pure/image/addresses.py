@@ -159,6 +159,7 @@ _FLAG = re.compile(r"[MF]\s*(\d+)\.(\d+)")
 _NOT_SERVED = re.compile(r"(DX|M[BWD]?|T|Z|C|F[YWD]?)\s*\d+(\.\d+)?.*")
 _OPERAND_BIT = re.compile(r"[MF]\s*(\d{1,4})\.(\d)")
 _OPERAND_WIDE = re.compile(r"([EIAQOMF])([BWYD])\s*(\d{1,4})")
+_MARKER_ALONE = re.compile(r"[MF]\s*(\d{1,4})")
 _OPERAND_COUNT = re.compile(r"([TZC])\s*(\d{1,3})")
 _KINDS = {
     "E": Kind.INPUT, "I": Kind.INPUT, "A": Kind.OUTPUT, "Q": Kind.OUTPUT, "O": Kind.OUTPUT, "M": Kind.FLAG, "F": Kind.FLAG,
@@ -200,6 +201,10 @@ def parse_operand(text: str, symbols: Mapping[str, RcBit] | None = None, db: int
     if found := _OPERAND_COUNT.fullmatch(upper):
         _check_operand(text, int(found[2]), 255)
         return Operand(_KINDS[found[1]], int(found[2]))
+    if found := _MARKER_ALONE.fullmatch(upper):
+        byte = found[1]
+        show = "axisgate plc show has the markers of a Reis PLC program"
+        raise AddressFault(f"{text!r}: byte or bit missing: MB {byte} is the byte, M {byte}.0 a bit; {show}")
     return parse(text, symbols, db)
 
 

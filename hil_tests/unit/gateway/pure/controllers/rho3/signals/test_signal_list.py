@@ -138,6 +138,8 @@ def test_everything_else_is_read_as_ever_and_limits_hold() -> None:
             parse_operand(text)
     with pytest.raises(AddressFault, match="expected"):
         parse_operand("X5")
+    with pytest.raises(AddressFault, match=r"MB 20 is the byte, M 20\.0 a bit; axisgate plc show"):
+        parse_operand("M 20")
 
 
 ROW = '[[signal]]\nname = "{name}"\ndirection = "input"\nbit = 7\nsource = "axisgate"\nen = "a signal"\nde = "ein Signal"\n'
