@@ -13,6 +13,7 @@ DIGIT = r"[\dOQIL|!SBZ]"
 NUMBER = re.compile(rf"(?<![A-Z\d.])([EIAOMTZ]?)\s*((?:\d|[OQIL|!]){DIGIT}*(?:\s*\.\s*{DIGIT})?)(?=\s*(?:,|$))")
 COMMA = re.compile(rf"(?<=\d)\s*,\s*({DIGIT})$")
 HEXADECIMAL = re.compile(r"[\dA-FOQIL]+H$")
+OUTPUT, INPUT = re.compile(r"(?<![A-Z])Q(?=B?\s*\d)"), re.compile(r"(?<![A-Z])I(?=B\s*\d)")
 JOINED = re.compile(r"(XON|XO|UN|ON|LD|TD|[UOSRLT])([EIAOMTZ]\s*\d.*)$")
 SPLIT = re.compile(r"(\S+?\(?)(?=\s|$|(?<=\())\s*(.*)$")
 STEP5 = {  # {0}: the operand
@@ -28,7 +29,7 @@ LOADED5 = re.compile(r"(L|T)\s+([EAM])B\s*(\d+)$|L\s+K[FZB]\s*\+?(\d+)$")
 
 def meant(text: str) -> str:
     """The step that a faulty one was meant to be, without its comment; "" where none fits."""
-    body = " ".join(text.split(";", maxsplit=1)[0].upper().split())
+    body = _body(text)
     if joined := JOINED.match(body):
         body = f"{joined[1]} {joined[2]}"
     split = SPLIT.match(body)
@@ -40,12 +41,12 @@ def meant(text: str) -> str:
     rests = dict.fromkeys((split[2], _hexadecimal(split[2]), read, COMMA.sub(r".\1", read)))
     readings = dict.fromkeys(f"{word} {rest}".strip() for word in words for rest in rests)
     taken = [each for each in readings if each == "END" or not isinstance(step_of(each, 1) or Wrong(""), Wrong)]
-    return taken[0] if len(taken) == 1 else ""
+    return taken[0] if len({"".join(each.split()) for each in taken}) == 1 else ""
 
 
 def of_step5(text: str) -> str:
     """The step that replaces one of STEP 5; "" where there is none."""
-    body = " ".join(text.split(";", maxsplit=1)[0].upper().split())
+    body = _body(text)
     if time := TIME5.match(body):
         return f"L {int(time[1]) * 10 ** int(time[2])}"
     if loaded := LOADED5.match(body):
@@ -56,6 +57,12 @@ def of_step5(text: str) -> str:
     if word in ("SPA", "SPB", "SPBN") and re.match(r"(PB|FB|SB|FC|FX)\d", operand):
         step = f"SU{step[2:]}"
     return step if step == "END" or (step and not isinstance(step_of(step, 1), Wrong)) else ""
+
+
+def _body(text: str) -> str:
+    """The step without its comment, the colon of a printed statement list and the letters of English bytes and outputs."""
+    body = " ".join(text.split(";", maxsplit=1)[0].upper().split())
+    return INPUT.sub("E", OUTPUT.sub("A", body.removeprefix(":").lstrip()))
 
 
 def _number(found: re.Match[str]) -> str:

@@ -45,7 +45,7 @@ ALONE = {
     "DH": Code.FROM_BCD,
 }
 WORD = re.compile(r"(XON|XO|UN|ON|LD|TD|ST|ZV|ZR|SH|RO|SP|SU|U|O|S|R|L|T|M)(?![A-Z_])|(=)(?!\?)")
-NO_COMMAND = "No PLC-command"
+NO_COMMAND, LEFT_OPEN = "No PLC-command", "NOT_TRANSLATED"  # the second begins what an import could not translate
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +69,9 @@ def step_of(text: str, line: int) -> Command | Wrong | None:
     if opened := re.match(r"(XO|U|O) ?\( ?\)?$", body):
         return Command(OPENS[opened[1]], line)
     word = WORD.match(body)
+    if body.startswith(LEFT_OPEN):
+        statement, _, reason = text.partition(" ; ")
+        return Wrong(NO_COMMAND, f"the import did not translate {statement[len(LEFT_OPEN) :].strip()}; {reason.strip()}".rstrip("; "))
     if word is None:
         return Wrong(NO_COMMAND, f"{text.strip()[:60]!r} is not a command of the integrated PLC")
     name = word[1] or word[2]

@@ -84,6 +84,17 @@ def test_a_line_that_is_not_translated_keeps_its_label_and_its_reason() -> None:
     assert reasons[8] == "DB5.DBB7 has no marker; give it one with --words: DB5.DBB7 = M200"  # once read as DB 87
 
 
+def test_addresses_of_a_function_block_with_parameters_and_misread_ones() -> None:
+    head = "NAME :VENTIL\nBEZ  :AUF       E/A/D/B/T/Z: E   BI/BY/W/D: BI\nBEZ  :ZU        E/A/D/B/T/Z: A   BI/BY/W/D: BI\n"
+    call = "OB 1\n0000 :SPA FB 10\nNAME :VENTIL\nAUF  :    E 0.0\nZU   :    A 1.0\n0003 :BE"
+    result = imported(f"FB 10\n{head}OOOO :U   E 0.0\n0001 :=   =ZU\n0002 :BE\n{call}")
+    assert {each.line: each.reason.replace(" of the integrated PLC", "") for each in result.refused} == dict.fromkeys(
+        (3, 4, 6, 11, 12), "subprograms have no parameters"
+    )
+    assert "\nU E0.0\n" in result.programs["FB10"] and "M OOOO" not in result.programs["FB10"]
+    assert result.programs["OB1"].startswith("PLC OB1\nSU FB10\n")
+
+
 def test_a_listing_with_addresses_and_without_colons() -> None:
     text = "STEP 5   ANLAGE 3    SEITE 1\nPB 7\n0000   U  E  0.0   -START  Taster\n0002   O  A  4.0\n0004   =  A  4.0  -M1\n0006   BE"
     result = imported(text)

@@ -6,6 +6,7 @@ from gateway.files.robotstar import words
 from gateway.pure.languages.plc.check import check_programs
 from gateway.pure.languages.robotstar.listing import import_listing
 
+OPEN = "DB10.DW17 has no marker; give it one with --words: DB10.DW17 = M200"
 LISTED = """S1   PLC      'MAIN'
 S2   U        EO.0
 S3   ST       E,TI
@@ -33,6 +34,10 @@ S11  END
         ("L KT 100.1", "a statement of STEP 5; here it is L 1000"),
         ("L MB 20", "a statement of STEP 5; here it is L M20"),
         ("A I0.0", "a statement of STEP 5; here it is U I0.0"),
+        ("= Q1.0", "did you mean = A1.0?"),
+        ("L IB3", "a statement of STEP 5; here it is L E3"),
+        (":U E 0.0", "did you mean U E 0.0?"),
+        (f"NOT_TRANSLATED L DW 17 ; line 12: {OPEN}", f"the import did not translate L DW 17; line 12: {OPEN}"),
         ("U E40.0", "E 0 to E 39"),
         ("ZV ACCU,256", "a number from 0 to 255 after the comma"),
     ],

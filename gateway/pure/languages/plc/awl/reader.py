@@ -19,7 +19,7 @@ NOISE = re.compile(
     re.IGNORECASE,
 )
 DECLARATION = re.compile(r"VAR(_TEMP|_INPUT|_OUTPUT|_IN_OUT)?\b", re.IGNORECASE)
-ADDRESSED = re.compile(r"[0-9A-F][0-9A-FO]{3,5}\s*(?=[:A-Z])", re.IGNORECASE)
+ADDRESSED = re.compile(r"(?:[0-9A-F][0-9A-FO]{3,5}|O[0-9O]{3,5})\s*(?=[:A-Z])", re.IGNORECASE)
 PARAMETER = re.compile(r"(?:[EAMTZDIQCB][BWD]?\s+\d|K[A-Z]\s|[A-Z]+/[A-Z]+/)", re.IGNORECASE)
 PRINTED = re.compile(r"\s*(?:[0-9A-F]{4,6}\s+)?[A-Z0-9_]{0,8}\s*:", re.IGNORECASE)
 MORE = re.compile(  # a second statement in the same line: a lost line end, or a second column of the print
@@ -128,8 +128,9 @@ class Reader:
         self.step7, self.english = bool(STEP7.search(bare)), english_of(bare)
         lines = [line for line in bare.splitlines() if line.strip()]
         self._printed = not self.step7 and 2 * sum(bool(PRINTED.match(line)) for line in lines) > len(lines)
-        addresses = [bool(ADDRESSED.match(line.strip())) for line in lines if ":" in line]
-        self._addressed = not self.step7 and 2 * sum(addresses) > len(addresses)
+        addresses = [ADDRESSED.match(line.strip()) for line in lines if ":" in line]
+        numbers = sum(found[0][0] in "0123456789Oo" for found in addresses if found)  # a label begins with a letter: FADE, ADD1
+        self._addressed = not self.step7 and 2 * numbers > sum(found is not None for found in addresses)
         if not self.step7 and not addresses and 2 * sum(bool(without_colon(line)) for line in lines) > len(lines):
             self._printed = self._addressed = self._bare = True
             self.found.notes.append("the listing has no colons: what follows an address is read as a statement")
