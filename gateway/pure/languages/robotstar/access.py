@@ -17,6 +17,7 @@ from gateway.pure.languages.robotstar.faults import (
 from gateway.pure.languages.robotstar.machine import Machine
 from gateway.pure.languages.robotstar.memory import DEFAULT_TOOL
 from gateway.pure.languages.robotstar.operands import Equate, Number, Operand, Ref, Text
+from gateway.pure.languages.robotstar.path import outside
 from gateway.pure.languages.robotstar.values import GROUPS, Array, Cell, Scalar, Structure
 
 Get = Callable[[], Scalar]
@@ -112,7 +113,7 @@ def number(
         if isinstance(value, str):
             raise StepFault(WRONG_TYPES)
         if low is not None and high is not None and not low <= value <= high:
-            raise StepFault(f"{what} {value:.10g} is outside {low:.10g} .. {high:.10g}")
+            raise StepFault(outside(what, value, low, high))
         return value
 
     return read

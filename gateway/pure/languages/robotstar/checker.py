@@ -24,6 +24,7 @@ from gateway.pure.languages.robotstar.faults import (
 )
 from gateway.pure.languages.robotstar.literals import wrong_kind, wrong_literal
 from gateway.pure.languages.robotstar.memory import DEFAULT_TOOL, Memory
+from gateway.pure.languages.robotstar.nesting import TOO_DEEP, too_deep
 from gateway.pure.languages.robotstar.operands import HIGHEST, LOWEST, Equate, Number, Operand, Ref, Text
 from gateway.pure.languages.robotstar.pallet import PatternFault, pattern_of
 from gateway.pure.languages.robotstar.program import DEFINITIONS, HEADS, Program, Step, definition_late
@@ -90,6 +91,8 @@ def check(memory: Memory, faults: Faults, system: Names) -> None:
             _program(checking, program)
     for pattern in checking.patterns.values():
         _format(checking, pattern)
+    for deep in too_deep(memory):
+        checking.late(deep.program, deep.step, "rsv.depth", TOO_DEEP, f"{deep.again} calls itself" if deep.again else "")
 
 
 def _destinations(program: Program) -> Iterator[str]:
@@ -126,6 +129,7 @@ def _program(checking: _Check, program: Program) -> None:
     tool, began, late = False, 0, []
     for step in program.steps:
         if not step.valid or step.word == "C":
+            tool = tool or _is_faulty_tool(checking, step)
             continue
         if step.macro:
             tool = True
@@ -143,6 +147,11 @@ def _program(checking: _Check, program: Program) -> None:
     if late:
         checking.structural(program, late[0], "rsv.definition_late", definition_late(began), also_at(step.number for step in late[1:]))
     _lost(checking, program)
+
+
+def _is_faulty_tool(checking: _Check, step: Step) -> bool:
+    """Whether a step with a fault was meant to name the tool: the positions after it are not a second mistake."""
+    return not step.word and checking.memory.words.words.get(step.text.partition(" ")[0].rstrip(":").upper()) == "TOOL"
 
 
 def _lost(checking: _Check, program: Program) -> None:

@@ -68,7 +68,8 @@ class _Open:
 
 def points_of(text: str) -> dict[str, str]:
     """Parameters of POSITION by the name of a point: columns name, X..C, optional Frame and axes; PointFault with a sentence."""
-    sign = ";" if ";" in text.partition("\n")[0] else ","
+    text = text.removeprefix("\ufeff")
+    sign = next((sign for sign in ";\t" if sign in text.partition("\n")[0]), ",")
     rows = [[cell.strip().strip('"') for cell in line.split(sign)] for line in text.splitlines()]
     if not rows or not rows[0] or rows[0][0].strip().lower() != "name":
         raise PointFault("the first line of the table of points names the columns: name,X,Y,Z,A,B,C[,Frame,A7..]")
@@ -79,7 +80,7 @@ def points_of(text: str) -> dict[str, str]:
     for number, row in enumerate(rows[1:], 2):
         if not any(cell.strip() for cell in row):
             continue
-        values = [cell.strip() for cell in row[1:]]
+        values = [cell.strip() if sign == "," else cell.strip().replace(",", ".") for cell in row[1:]]  # a German table: 4,5;5;6
         if len(row) != len(head) or any(not re.fullmatch(r"[+-]?\d+(\.\d+)?", value) for value in values if value):
             raise PointFault(f"line {number}: {len(head)} columns with a name and numbers with a decimal point are needed")
         given = {name: value for name, value in zip(head[1:], values, strict=True) if value}

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from gateway.pure.languages.robotstar.faults import WRONG_TYPES, StepFault
 from gateway.pure.languages.robotstar.operands import Number, Operand, Ref, Text
-from gateway.pure.languages.robotstar.path import RANGES
+from gateway.pure.languages.robotstar.path import RANGES, outside
 from gateway.pure.languages.robotstar.program import Step
 from gateway.pure.languages.robotstar.system import ALIASES, DEFAULTS
 from gateway.pure.languages.robotstar.values import Array, Cell, Scalar, Variable, converted
@@ -37,7 +37,7 @@ def _refusal(value: Scalar, name: str, variable: Variable) -> str:
     if parameter in RANGES and not isinstance(value, str):
         low, high = RANGES[parameter]
         if not low <= value <= high:
-            return f"{parameter} {value:.10g} is outside {low:.10g} .. {high:.10g}"
+            return outside(parameter, value, low, high)
     return ""
 
 

@@ -92,7 +92,7 @@ def _equate(text: str, equates: Mapping[str, str]) -> Equate:
     if name in RELATIONS or name in ("=0", "=1"):
         return Equate(name)
     if name not in equates:
-        near = [name[::-1]] if name in ("=>", "=<") else meant(name, equates)
+        near = [name[::-1]] if name in ("=>", "=<") else [f"={name}"] if name in ("0", "1") else meant(name, equates)
         raise OperandFault(f"{text}: no such system equate", hint_with([f"#{each}" for each in near]))
     return Equate(equates[name])
 

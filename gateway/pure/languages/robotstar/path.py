@@ -57,16 +57,24 @@ class Defaults:
     )  # fmt: skip
 
 
+LEAST = 1e-6
 RANGES: Mapping[str, tuple[float, float]] = {
     **dict.fromkeys(("_IV_FLYBY_S", "_IV_FLYBY_O", "_IV_CIRCHP_O", "_ISPL_TENS", "_IORI_TENS", "_IORI_WEIGHT", "_IORI_CIRCHP"), (0, 100)),
     "_IACC_TIME": (0, 50),
-    **dict.fromkeys(("PTP_SPEED", "PTP_ACCEL", "PATH_ACCEL"), (1e-6, 100)),
-    "PATH_SPEED": (1e-6, 1e6),
+    **dict.fromkeys(("PTP_SPEED", "PTP_ACCEL", "PATH_ACCEL"), (LEAST, 100)),
+    "PATH_SPEED": (LEAST, 1e6),
     **dict.fromkeys(("PATH_TIME", "PATH_RADIUS", "PATH_DISTANCE"), (0, 1e6)),
     "MOVE_MODE": (0, 4),
     "FLYBY": (0, 1),
 }
 MODES = ("PTP", "LINEAR", "SPLINE", "ZIRK_MIN_ORI", "ZIRK_BAHN_ORI")
+
+
+def outside(name: str, value: float, low: float, high: float) -> str:
+    """The fault of a value outside its range; a low end of 1e-6 means above 0."""
+    if low == LEAST and not 0 < value < LEAST:
+        return f"{name} {value:.10g} must be above 0 and at most {high:.10g}"
+    return f"{name} {value:.10g} is outside {low:.10g} .. {high:.10g}"
 
 
 @dataclass(slots=True)
@@ -92,7 +100,7 @@ class PathState:
         """A parameter; StepFault outside its range."""
         low, high = RANGES[name]
         if not low <= value <= high:
-            raise StepFault(f"{name} {value:.10g} is outside {low:.10g} .. {high:.10g}")
+            raise StepFault(outside(name, value, low, high))
         self.values[name] = value
 
     def set_mode(self, mode: str) -> None:

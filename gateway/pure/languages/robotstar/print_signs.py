@@ -5,9 +5,10 @@ All functions receive the text after the command of one step and return its inte
 
 import re
 
-from gateway.pure.languages.base.near import looks
+from gateway.pure.languages.base.near import all_nearest, looks
 from gateway.pure.languages.robotstar.grammar import GRAMMAR
 from gateway.pure.languages.robotstar.operands import RELATIONS
+from gateway.pure.languages.robotstar.system import NAMES
 from gateway.pure.languages.robotstar.words import Words
 
 WITH_VALUES = ("POSITION", "VAR", "LOC_VAR", "CONST", "LOC_CONST")  # commands with X:, Y:, .. A7:
@@ -20,9 +21,11 @@ _DESCRIPTOR = re.compile(
 _BEFORE_TEXT = re.compile(r"(^\s*[A-Za-z][\w-]*)\s+(?=\")")
 _COMPONENT = re.compile(r"(?<=,)(\s*)([82])(\s*:)")
 _COMPONENTS = {"8": "B", "2": "Z"}
+_TWO_HASHES = re.compile(r"(?:(?<=^)|(?<=[,\s]))[H#]#(?=\w)")
 _HASH_AND_BLANK = re.compile(r"#\s+(?=[\w<>=()])|\*(?=[A-Z])")
 _RELATION = re.compile(r"#([<>=()]) ?([=>)]?)(?=\s*,)")
 _LOST_HASH = re.compile(r"(?:(?<=^)|(?<=,))(\s*)([<>]=?|<>|=|[A-Za-z][\w-]+)(?=\s*(?:,|$))")
+_SYSTEM = re.compile(r"(?<![\w.#])_[^\W_]\w*")
 _OPEN_LOST = re.compile(r"(?<![\w.\[])(_?[IRVPTS]\w*?)[l1|](\d+)\]")
 _ROUND = re.compile(r"(?<![\w.])(_[A-Z]\w*)\((\w+)\)")
 _CLOSE_LOST = re.compile(r"(\w\[\w+)(?=\s*(?:,|$))")
@@ -30,6 +33,8 @@ _DASH = re.compile(r"(?<=[,:])(\s*)(?:-|_ )(?=[A-Z]\w*\[)")
 _LOST_LINE = re.compile(r"(?:(?<=[,:])|(?<=^))(\s*[IRVPTS]) (?=[A-Z]\w+\s*(?:,|\[|$))")  # V ZP_EP3
 _SIGNED = re.compile(r"(?:(?<=[,:])|(?<=^))(\s*[-+]) +(?=\d)")
 _POINT = re.compile(r"(?:(?<=^)|(?<=[,:\s]))(\d+)\.(?=_?[IRVPTS]_?\w*[A-Z])")
+_COMMA = re.compile(r',(?=(?:[^"]*"[^"]*")*[^"]*$)')  # outside texts
+_WHOLE = re.compile(r"(?:^|[\s:])[+-]?\d+$")
 _QUANTITY = (
     r"^\s*(?:([\[(]?)\s*({unit})\s*[\])]?)?\s*:?\s*(?:(\w+)\s*:)?\s*([+-]?[\dOoQl|]+(?:[.,][\dOoQl|]+)?)\s*[\[(]?({unit})?[\])]?\s*$"
 )
@@ -71,13 +76,29 @@ def _meant(command: str, spelt: str, words: Words) -> str:
 
 
 def hashes(command: str, text: str, words: Words) -> str:
-    """Correct # before system equates: a blank after it, * for it, brackets for < and >, none at all."""
+    """Correct # before system equates: a blank after it, * or H for it, printed twice, brackets for < and >, none at all."""
     wanted = {name for place in GRAMMAR.get(command, ()) for name in place.equates}
-    text = _HASH_AND_BLANK.sub("#", text) if wanted else text
+    text = _HASH_AND_BLANK.sub("#", _TWO_HASHES.sub("#", text)) if wanted else text
     text = _RELATION.sub(lambda found: "#" + (found[1] + found[2]).translate(str.maketrans("()", "<>")), text)
     if "#" in text and command not in ("TEST", "TEST_BIT", "PALLET"):
         return text
-    return _LOST_HASH.sub(lambda found: f"{found[1]}#{found[2]}" if _is_equate(found[2], wanted, words) else found[0], text)
+    return _LOST_HASH.sub(lambda found: _with_hash(found, wanted, words), text)
+
+
+def _with_hash(found: re.Match[str], wanted: set[str], words: Words) -> str:
+    """An equate without its #, or with H for it; the text as it is where it is none."""
+    for each in (found[2], found[2].removeprefix("H")):
+        if _is_equate(each, wanted, words):
+            return f"{found[1]}#{each}"
+    return found[0]
+
+
+def equate(command: str, text: str, words: Words) -> str:
+    """The equate of this command that a misread one is: one wrong letter of a short word (#OEF); as it is where none or several fit."""
+    wanted = [each for each, name in words.equates.items() if any(name in place.equates for place in GRAMMAR.get(command, ()))]
+    short = [each for each in wanted if len(each) == len(text) and sum(map(str.__ne__, each, text.upper())) == 1]
+    found = all_nearest(text, wanted) or short
+    return found[0] if len({words.equates[each] for each in found}) == 1 else text
 
 
 def _is_equate(text: str, wanted: set[str], words: Words) -> bool:
@@ -102,3 +123,25 @@ def quantity(text: str, words: Words) -> str:
     if not found or not (found[2] or found[5]) or (found[1] == "[" and "," not in found[4] and not found[5]):
         return ""
     return " " + (f"{found[3]}:" if found[3] else "") + found[4].translate(NUMBERS).replace(",", ".")
+
+
+def system_variables(text: str) -> str:
+    """Correct the names of system variables with misread letters: _SP5, _VNU1L; a name that looks like none or two of them stays."""
+    return _SYSTEM.sub(_system_variable, text)
+
+
+def _system_variable(found: re.Match[str]) -> str:
+    name = found[0].upper()
+    alike = [each for each in NAMES if looks(each) == looks(name)] if name not in NAMES else []
+    return alike[0] if len(alike) == 1 else found[0]
+
+
+def decimal_comma(command: str, text: str) -> str:
+    """Correct a decimal comma where the step has one parameter too many and one pair of numbers has no blank: Max_Zeit: 3,5, Marke: A."""
+    parts, places = _COMMA.split(text), len(GRAMMAR.get(command, ()))
+    if places < 2 or len(parts) != places + 1:
+        return text
+    pairs = [at for at in range(places) if _WHOLE.search(parts[at]) and re.fullmatch(r"\d+\s*", parts[at + 1])]
+    if len(pairs) != 1:
+        return text
+    return ",".join([*parts[: pairs[0]], f"{parts[pairs[0]]}.{parts[pairs[0] + 1]}", *parts[pairs[0] + 2 :]])

@@ -243,7 +243,7 @@ def _without_place(
     reading: _Reading, step: Step, parameter: Parameter, places: tuple[Place, ...], slots: Mapping[str, Operand]
 ) -> tuple[str, str]:
     """What is wrong with a parameter that has no place, and the remedy."""
-    if parameter.descriptor:
+    if parameter.descriptor and not any(parameter.descriptor in place.descriptors for place in places):
         return f"{parameter.descriptor} does not belong to this command", ""
     for place in places:
         if place.kind == "equate" and place.name not in slots:  # `BEWEG_ART LINEAR`

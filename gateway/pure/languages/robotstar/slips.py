@@ -7,7 +7,16 @@ import re
 
 from gateway.pure.languages.robotstar.grammar import GRAMMAR
 from gateway.pure.languages.robotstar.path import CARTESIAN
-from gateway.pure.languages.robotstar.print_signs import descriptors, hashes, operands, quantity, quotes
+from gateway.pure.languages.robotstar.print_signs import (
+    decimal_comma,
+    descriptors,
+    equate,
+    hashes,
+    operands,
+    quantity,
+    quotes,
+    system_variables,
+)
 from gateway.pure.languages.robotstar.words import Words
 
 ALIKE = str.maketrans({"0": "O", "Q": "O", "1": "I", "L": "I", "|": "I", "!": "I", "8": "B", "5": "S", "-": "_"})
@@ -56,12 +65,12 @@ def parameters(word: str, rest: str, words: Words) -> str:
     parts[::2] = [_outside_texts(meant, part, words) for part in parts[::2]]
     text = _SIGN.sub(lambda found: "," + (found[2] or "") if found[2] is not None else ",", "".join(parts))
     text = _COMMA_LOST.sub(", ", text) if meant != "POSITION" or ":" in text else text
-    return text
+    return decimal_comma(meant, text)
 
 
 def _outside_texts(meant: str, text: str, words: Words) -> str:
-    text = operands(hashes(meant, descriptors(meant, text, words), words))
-    text = _EQUATE.sub(lambda found: "#" + _equate(found[1], words), text)
+    text = system_variables(operands(hashes(meant, descriptors(meant, text, words), words)))
+    text = _EQUATE.sub(lambda found: "#" + _equate(meant, found[1], words), text)
     text = _HEX.sub(lambda found: found[0].replace("O", "0").replace("o", "0"), text)
     text = _NUMBER.sub(lambda found: found[0] if _BINARY.fullmatch(found[0]) else found[0].translate(DIGITS), text)
     if meant != "TRAFO_6D":  # B may be the name of a program, or of a label
@@ -88,7 +97,7 @@ def _is_descriptor(text: str, words: Words) -> bool:
     return bool(words.descriptor(text)) and text.upper() not in CARTESIAN
 
 
-def _equate(text: str, words: Words) -> str:
+def _equate(meant: str, text: str, words: Words) -> str:
     """Behind #: the word, a relation or a level."""
     if text[-1] in "Ool|" and text[:-1] == "=":
         return text[:-1] + text[-1].translate(DIGITS)
@@ -98,4 +107,4 @@ def _equate(text: str, words: Words) -> str:
         return text
     wanted = text.upper().translate(ALIKE)
     found = [each for each in words.equates if each.translate(ALIKE) == wanted]
-    return found[0] if len(found) == 1 else text
+    return found[0] if len(found) == 1 else equate(meant, text, words)

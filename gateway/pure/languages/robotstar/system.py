@@ -29,6 +29,14 @@ ALIASES = {
 }  # D-9, D-11, D-41
 
 
+NAMES = frozenset(
+    (
+        *PATH_VARIABLES, *DEFAULTS, *KEPT, *ALIASES, "_IBIN_IN", "_IBIN_OUT", "_SPS", "_ISYS_IN", "_ISYS_OUT", "_VNULL", "_RACC_MAX",
+        "_RPATH_DIST", "_RTIME_DIST", "_VERFAHR", "_RMOUSE_T", "_RMOUSE_R", "_IMOUSE",
+    )
+)  # fmt: skip
+
+
 @dataclass(slots=True)
 class System:
     """The system variables of one control."""

@@ -301,6 +301,8 @@ def test_the_length_of_a_huge_vector() -> None:
 )
 def test_a_speed_that_is_none_is_named_with_its_range(value: str, said: str) -> None:
     assert steps(f"PATH_SPEED {value}").faults == [f"step 2: PATH_SPEED: {said}"]
+    if "above" in said:  # the same words where a variable has the value
+        assert steps("PATH_SPEED IV", f"VAR IV, value:{value}").texts() == [said.replace("value", "PATH_SPEED")]
 
 
 @pytest.mark.parametrize(("head", "said"), [("MPR Q", "the head names Q, the file P"), ("SPR P", "the head names SPR, the file MPR")])

@@ -10,6 +10,7 @@ from gateway.pure.languages.robotstar.listing import PointFault, import_listing,
 from gateway.pure.languages.robotstar.memory import Memory, Source
 from gateway.pure.languages.robotstar.robot import MODES
 from gateway.pure.languages.robotstar.script import NS, OrderFault, orders
+from gateway.pure.languages.robotstar.system import NAMES
 from gateway.pure.languages.robotstar.virtual import VirtualCell
 from hil_tests.unit.languages.robotstar.memory import WORDS
 
@@ -39,6 +40,16 @@ def test_a_printed_table_becomes_a_program() -> None:
         (6, "MARKÈ is read as MARKE"),
         (7, "BEWEGUNG: END is not printed; it is added"),
     ]
+
+
+@pytest.mark.parametrize("sign", [";", "\t"])
+def test_a_german_table_of_points_has_decimal_commas(sign: str) -> None:
+    table = "\ufeffname;X;Y;Z;A;B;C\nP1;4,5;-5;6;0;0;90\n".replace(";", sign)
+    assert points_of(table) == {"P1": "X:4.5, Y:-5, Z:6, A:0, B:0, C:90"}
+
+
+def test_all_system_variables_are_known_to_the_reader_of_a_print() -> None:
+    assert set(VirtualCell(Memory.read([], WORDS, Faults()), MODES["auto"]).system.names()) == NAMES
 
 
 def test_points_that_are_missing_are_named() -> None:
@@ -276,6 +287,13 @@ def test_decimal_commas_of_a_position_without_commas_between_its_values() -> Non
         ("PTP_GESCHW (%): 8O", "PTP_GESCHW 80"),
         ("BAHN_GESCHW [mm/s]:2OO,0", "BAHN_GESCHW 200.0"),
         ("WARTE 0,5 s", "WARTE 0.5"),
+        ("BEWEG_ART H#LINEAR", "BEWEG_ART #LINEAR"),
+        ("WARTE_BIT HEINGANG,1,0,3", "WARTE_BIT #EINGANG,1,0,3"),
+        ("UEBERSCHL #OEF", "UEBERSCHL #OFF"),
+        ("KOPIERE 5, _SP5[54]", "KOPIERE 5, _SPS[54]"),
+        ("RELATIVE Vector: _VNU1L", "RELATIVE Vector: _VNULL"),
+        ("WARTE_BIT #EINGANG, 1, 0, 5, 3,5, M1", "WARTE_BIT #EINGANG, 1, 0, 5, 3.5, M1"),
+        ("KOPIERE Quelle: 2,5, Ziel_Var: R1", "KOPIERE Quelle: 2.5, Ziel_Var: R1"),
     ],
 )
 def test_signs_of_a_print_are_put_right_and_named(printed: str, meant: str) -> None:

@@ -57,6 +57,9 @@ POSITION = "POSITION #N, X:1, Y:0, Z:0, A:0, B:0, C:0"
         ("LOC_VAR I1\nTEST #VARIABLE, I1, #=>, 2, A\nLABEL A", 3, "#=>: no such system equate", "did you mean #>=?"),
         ('LOC_VAR S1\nCOPY "A", S1', 2, "S1: write the length of a string in round brackets", ""),
         ("LOC_VAR I1\nCOPY 3000000000, I1", 3, "COPY: 3000000000 is outside the range of an integer, -2147483648 .. 2147483647", ""),
+        ("WARTE_BIT #EINGANG, 1, 0, 5, Max_Zeit: 3,5, Marke: A\nLABEL A", 2, "WARTE_BIT: there are too many parameters", "a decimal point"),
+        ("TEST_BIT #EINGANG, #1, 0, 1, A\nLABEL A", 2, "#1: no such system equate", "did you mean #=1?"),
+        (f"LOC_VAR V1\nTOOL V1\n{POSITION}", 3, "TOOL: V1 is of type V; T is needed", ""),
         ("LOC_VAR V1\nCOPY 5, V1.Q", 3, "V1: Wrong operand types!", "elements: Frame X Y Z A B C A1..A24"),
         ("MPR P\nSTOP\nEND\nWAIT 2", 3, "END is allowed only at the end", ""),
         ("MPR P\nSTOP\nENDDE", 3, "the last step is END", ""),
@@ -84,6 +87,23 @@ def test_a_copied_program_is_one_fault() -> None:
         ("C.MPR", "step 3: I4 is defined twice in the memory (in C)", ""),
         ("C.MPR", "step 5: I5 is defined twice in this program", ""),
     ]
+
+
+@pytest.mark.parametrize(
+    ("last", "place", "hint"),
+    [("CALL U", ("U.SPR", 3), "U calls itself"), ("TEST #VARIABLE, IX, #>, 3, A\nCALL U\nLABEL A", None, ""), ("WAIT 1", None, "")],
+)
+def test_a_call_that_certainly_nests_too_deep(last: str, place: tuple[str, int] | None, hint: str) -> None:
+    files = {"P.MPR": "VAR IX\nCALL U", "U.SPR": f"WARTE_BIT #EINGANG, 1, 0, 5\n{last}"}
+    faults = checked(files)[1]
+    assert [((fault.position.file, fault.position.line), fault.hint) for fault in faults] == ([(place, hint)] if place else [])
+
+
+def test_the_thirteenth_level_of_calls_is_one_fault() -> None:
+    calls = {f"U{level}.SPR": f"CALL U{level + 1}" for level in range(1, 13)}
+    (fault,) = checked({"P.MPR": "CALL U1", **calls, "U13.SPR": "WAIT 1"})[1]
+    assert (fault.position.file, fault.text) == ("U12.SPR", "step 2: nesting depth too big: more than 12 calls")
+    assert not checked({"P.MPR": "CALL U2", **calls, "U1.SPR": "WAIT 1", "U13.SPR": "WAIT 1"})[1]
 
 
 def test_names_of_labels_and_programs_may_look_like_numbers() -> None:
