@@ -92,7 +92,7 @@ def check(memory: Memory, faults: Faults, system: Names) -> None:
     for pattern in checking.patterns.values():
         _format(checking, pattern)
     for deep in too_deep(memory):
-        checking.late(deep.program, deep.step, "rsv.depth", TOO_DEEP, f"{deep.again} calls itself" if deep.again else "")
+        checking.late(deep.program, deep.step, "rsv.nesting", TOO_DEEP, f"{deep.again} calls itself" if deep.again else "")
 
 
 def _destinations(program: Program) -> Iterator[str]:
