@@ -202,9 +202,8 @@ def parse_operand(text: str, symbols: Mapping[str, RcBit] | None = None, db: int
         _check_operand(text, int(found[2]), 255)
         return Operand(_KINDS[found[1]], int(found[2]))
     if found := _MARKER_ALONE.fullmatch(upper):
-        byte = found[1]
         show = "axisgate plc show has the markers of a Reis PLC program"
-        raise AddressFault(f"{text!r}: byte or bit missing: MB {byte} is the byte, M {byte}.0 a bit; {show}")
+        raise AddressFault(f"{text!r}: byte or bit missing: MB {found[1]} is the byte, M {found[1]}.0 a bit; {show}")
     return parse(text, symbols, db)
 
 
