@@ -12,6 +12,7 @@ from gateway.pure.cell.cell import Cell, Notice
 from gateway.pure.cell.val3 import Val3
 from gateway.pure.controllers.val3.sio.channel import channel_named
 from gateway.pure.languages.val3.cell_io import found
+from gateway.pure.languages.val3.links import links_of_files
 from gateway.pure.languages.val3.loader import Loaded, Loader, family_of_arm
 from gateway.pure.languages.val3.machine import Machine
 from gateway.pure.languages.val3.moves import Moves
@@ -110,6 +111,21 @@ def _programs(check: Context, table: Val3, loaded: Loaded) -> None:
         check.fault("val3.application", table.application, what)
     if not wrong and not missing:
         _links(check, table)
+    elif wrong:
+        _links_of_its_files(check, table, loaded)
+
+
+def _links_of_its_files(check: Context, table: Val3, loaded: Loaded) -> None:
+    """The same for an application that cannot be loaded yet: one run names all its faults."""
+    assert check.cell.controller is not None
+    points, channels, name = points_of(check.cell.controller), [channel_of(row) for row in table.channel], loaded.app.name
+    ends, sockets = links_of_files([loaded.app])
+    for variable, path in dict.fromkeys((end.variable, end.path) for end in ends):
+        if found(points, path) is None:
+            check.fault("controller.point", path, f"{name}, {variable}: no [[controller.point]] is {path}")
+    for path in sockets:
+        if channel_named(channels, path) is None:
+            check.fault("val3.channel", path, f"{name}: no [[val3.channel]] is {path}")
 
 
 def _of_another_arm(loaded: Loaded) -> bool:

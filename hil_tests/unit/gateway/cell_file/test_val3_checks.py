@@ -61,6 +61,12 @@ def test_each_fault_is_one_sentence(judged: Callable[..., list[str]], edit: tupl
     assert all("\n" not in each and "Traceback" not in each for each in found)
 
 
+def test_a_fault_of_a_program_hides_no_link(judged: Callable[..., list[str]]) -> None:
+    judged(("cell", 'name    = "valve1"', 'name    = "valve2"'))
+    found = judged(("start.pgx", "nDone=0", "call missing()"))
+    assert len(found) == 2 and "undefined program" in found[0] and "tGripper: no [[controller.point]] is ValveIO\\valve1" in found[1]
+
+
 def test_a_socket_of_the_application_has_its_channel(judged: Callable[..., list[str]]) -> None:
     sio = '<Data name="sCam" access="public" xsi:type="array" type="sio" size="1">\n<Value key="0" link="Socket\\cam" /></Data>\n  </Datas>'
     assert judged(("cycle.dtx", "  </Datas>", sio)) and "no [[val3.channel]] is Socket\\cam" in judged()[0]
