@@ -1,6 +1,7 @@
 """Reads the user memory of a ROBOTstar V from a folder, and the language's table of words."""
 
 import importlib.resources
+import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -11,7 +12,6 @@ from gateway.pure.languages.robotstar.memory import Source
 from gateway.pure.languages.robotstar.program import KINDS
 from gateway.pure.languages.robotstar.protection import Protected, letters_of
 from gateway.pure.languages.robotstar.words import Words
-from gateway.runtime.safe_file import write_whole
 
 MOST_BYTES = 4_000_000  # of a program
 LOCKS = ".protection"  # file with the locked letters of programs
@@ -100,9 +100,20 @@ def write_locks(root: Path, locks: Mapping[str, str]) -> None:
 
 def replace(path: Path, text: str) -> None:
     """Replace the complete file: the old or the new one.  FolderFault: the old one."""
+    replace_octets(path, text.encode())
+
+
+def replace_octets(path: Path, octets: bytes) -> None:
+    """The same; on return they are on the disk.  FolderFault: the old file."""
+    fresh = path.with_name(f".{path.name.lstrip('.')}.part")
     try:
-        write_whole(path, text.encode())
+        with fresh.open("wb") as file:
+            file.write(octets)
+            file.flush()
+            os.fsync(file.fileno())
+        fresh.replace(path)
     except OSError as error:
+        fresh.unlink(missing_ok=True)
         raise FolderFault(f"{path}: {error.strerror}") from None
 
 

@@ -5,7 +5,7 @@ import datetime
 from dataclasses import dataclass
 from pathlib import Path
 
-from gateway.files.robotstar import KEPT, FolderFault, locks_of, replace, sources, text_of, words, write_locks
+from gateway.files.robotstar import KEPT, FolderFault, locks_of, replace, replace_octets, sources, text_of, words, write_locks
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.plc.steps import Wrong, step_of
@@ -13,7 +13,6 @@ from gateway.pure.languages.robotstar.memory import Memory
 from gateway.pure.languages.robotstar.program import DEFINITIONS
 from gateway.pure.languages.robotstar.protection import DELETE, EDIT, RENAME, STRUCTURE, demand, letters_of, shown
 from gateway.pure.languages.robotstar.reader import read_program, unnumbered
-from gateway.runtime.safe_file import write_whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,8 +133,8 @@ def _copied(folder: Path, file: str, to: str) -> str:
     head, line, rest = text.partition("\n")
     before, found, behind = head.rpartition(plain)  # the last one: P is also a letter of MPR
     if (folder / f"{file}{KEPT}").exists():  # first: a program without its values would begin with others
-        write_whole(folder / f"{new}{KEPT}", (folder / f"{file}{KEPT}").read_bytes())
-    write_whole(folder / new, ((before + name + behind if found else head) + line + rest).encode())
+        replace_octets(folder / f"{new}{KEPT}", (folder / f"{file}{KEPT}").read_bytes())
+    replace_octets(folder / new, ((before + name + behind if found else head) + line + rest).encode())
     return new
 
 
