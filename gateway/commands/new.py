@@ -11,7 +11,7 @@ from gateway.pure.lines.texts import LANGUAGES, language_of
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.new_cell.cell_text import cell_text
 from gateway.tools.new_cell.questions import QUESTIONS, BadAnswer, Question, answered
-from gateway.tools.usage_language import complain
+from gateway.tools.usage_language import complain, result_text
 
 EXAMPLES = """examples:
   axisgate new --from s5-rk512 hall3.toml                        asks five questions, Enter accepts the value in brackets
@@ -34,8 +34,8 @@ def main(argv: list[str]) -> int:
     try:
         answers = answered(options.kind, given(options.answer), default if options.defaults else ask)
         text = cell_text(options.kind, answers, options.language or language_of(None, os.environ))
-        with options.file.open("x", encoding="utf-8") as file:
-            file.write(text)
+        with options.file.open("x", encoding="utf-8") as out:
+            out.write(text)
     except BadAnswer as error:
         complain("new", f"{error}; nothing was written")
         return Exit.INVALID
@@ -48,7 +48,8 @@ def main(argv: list[str]) -> int:
     if options.json:
         print(json.dumps({"file": str(options.file), "from": options.kind, "answers": answers}))
     else:
-        print(f"{options.file} written.  next: axisgate check {options.file}      then: axisgate run {options.file} --sim")
+        file = options.file
+        print(result_text(f"{file} written.  next: axisgate check {file}      then: axisgate run {file} --sim"))
     return Exit.OK
 
 

@@ -18,7 +18,7 @@ from gateway.recording.file import RecordError, Writer
 from gateway.recording.recorder import Recorder, RecorderError, Rings, attached, head_of, status_of
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE, interruptible
-from gateway.tools.usage_language import complain
+from gateway.tools.usage_language import complain, result_text
 
 EXAMPLES = """examples:
   axisgate record cell.toml -o monday.axrec                 until Ctrl-C; the cell runs in another terminal
@@ -108,8 +108,9 @@ def _report(options: argparse.Namespace, recorder: Recorder, writer: Writer) -> 
         print(json.dumps(found))
     else:
         for entry in counts.lost:
-            print(f"lost after cycle {entry['after_cycle']}: {entry['why']}")
-        print(f"{options.output}: {counts.cycles} cycles, {writer.bytes} bytes.  next: axisgate replay {options.output} --diff")
+            print(result_text(f"lost after cycle {entry['after_cycle']}: {entry['why']}"))
+        ended = f"{options.output}: {counts.cycles} cycles, {writer.bytes} bytes.  next: axisgate replay {options.output} --diff"
+        print(result_text(ended))
     return FINDING if counts.lost or not counts.cycles else DONE
 
 

@@ -13,7 +13,7 @@ from gateway.recording.replay import Verdict, recorded_cell, replay
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import DONE, ENVIRONMENT, FINDING, USAGE
 from gateway.tools.progress import Progress
-from gateway.tools.usage_language import complain
+from gateway.tools.usage_language import complain, result_text
 
 EXAMPLES = """examples:
   axisgate replay monday.axrec                              contents of the file
@@ -68,21 +68,23 @@ def _show(options: argparse.Namespace, found: Found) -> int:
         print(json.dumps(holds))
         return DONE
     _sentences(holds)
-    print(f"next: axisgate replay {options.file} --diff")
+    print(result_text(f"next: axisgate replay {options.file} --diff"))
     return DONE
 
 
 def _sentences(holds: dict[str, Any]) -> None:
     seconds = holds["cycles"] * holds["p5_ms"] / 1000.0
-    print(f"{holds['file']}: {holds['cell']}, {holds['wall']}, {holds['cycles']} cycles of {holds['p5_ms']} ms ({seconds:.1f} s)")
-    print(f"  cell file sha256 {holds['sha256'][:16]}, axisgate {holds['version']}, {holds['segments']} starts")
+    print(
+        result_text(f"{holds['file']}: {holds['cell']}, {holds['wall']}, {holds['cycles']} cycles of {holds['p5_ms']} ms ({seconds:.1f} s)")
+    )
+    print(result_text(f"  cell file sha256 {holds['sha256'][:16]}, axisgate {holds['version']}, {holds['segments']} starts"))
     for entry in holds["lost"]:
         place = f"after cycle {entry['after_cycle']}" if "after_cycle" in entry else f"at byte {entry['at_byte']}"
-        print(f"  lost {place}: {entry['why']}")
+        print(result_text(f"  lost {place}: {entry['why']}"))
     if holds["cut_bytes"]:
-        print(f"  {holds['cut_bytes']} bytes of a half block at the end are left out")
+        print(result_text(f"  {holds['cut_bytes']} bytes of a half block at the end are left out"))
     if not holds["ended"]:
-        print("  the recorder did not end it: its last half second may be missing")
+        print(result_text("  the recorder did not end it: its last half second may be missing"))
 
 
 def _diff(options: argparse.Namespace, found: Found) -> int:
@@ -114,13 +116,13 @@ def _judged(options: argparse.Namespace, found: Found, verdict: Verdict) -> None
         return
     _sentences(holds)
     if first is None:
-        print(f"no difference in {verdict.cycles} cycles")
+        print(result_text(f"no difference in {verdict.cycles} cycles"))
         return
-    print(f"first difference: cycle {first.cycle}, {verdict.at_s:.3f} s after the beginning: {first.name}")
-    print(f"  expected {_plain(first.expected)}")
-    print(f"  got      {_plain(first.got)}")
+    print(result_text(f"first difference: cycle {first.cycle}, {verdict.at_s:.3f} s after the beginning: {first.name}"))
+    print(result_text(f"  expected {_plain(first.expected)}"))
+    print(result_text(f"  got      {_plain(first.got)}"))
     if verdict.also:
-        print(f"  and {verdict.also} more in the same cycle")
+        print(result_text(f"  and {verdict.also} more in the same cycle"))
     for each in verdict.events_before:
         print(f"  {_event_text(each, first.stamp_ns)}")
 

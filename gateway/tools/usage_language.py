@@ -49,6 +49,11 @@ def baps2_text(sentence: str) -> str:
     return spoken(*RHO3).german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
 
 
+def result_text(sentence: str) -> str:
+    """The result of a command in one sentence, in the user's language."""
+    return spoken("command-results").german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
+
+
 def val3_text(sentence: str) -> str:
     """What `axisgate val3` reports around the words of the controller, in the user's language."""
     return spoken("val3").german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence

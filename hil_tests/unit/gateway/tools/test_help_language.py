@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import pathlib
 import re
 from importlib.metadata import entry_points
 
@@ -12,6 +13,7 @@ from gateway.commands.catalogue import GROUP, first_line
 from gateway.files.texts import read_texts
 from gateway.pure.reports.spoken import FIELD
 from gateway.tools.help_language import actions, explained, paragraphs
+from gateway.tools.usage_language import result_text
 
 WORDS = (
     "assess",
@@ -110,3 +112,16 @@ def test_both_languages_name_the_same_things() -> None:
     for english, german in read_texts("help").pairs():
         assert set(FIELD.findall(german)) == set(FIELD.findall(english)) and german.isascii(), english
         assert english.count("%") == german.count("%"), english
+
+
+def test_results_of_the_first_commands_are_german(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cell = tmp_path / "hall.toml"
+    said = answer(f"new --from s5-rk512 {cell} --defaults --language de", monkeypatch, capsys)
+    assert said == f"{cell} geschrieben.  weiter: axisgate check {cell}      dann: axisgate run {cell} --sim\n"
+    assert (
+        result_text("a.axrec: X, cell 2, 2026, 1316 cycles of 10 ms (13.2 s)") == "a.axrec: X, cell 2, 2026, 1316 Takte zu 10 ms (13.2 s)"
+    )
+    assert result_text("no difference in 1316 cycles") == "kein Unterschied in 1316 Takten"
+    assert all(english.count("{") == german.count("{") and german.isascii() for english, german in read_texts("command-results").pairs())
