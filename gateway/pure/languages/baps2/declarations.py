@@ -9,32 +9,29 @@ from gateway.pure.languages.baps2.tree import (
     Declared,
     Expression,
     External,
-    Faulty,
     Head,
     Number,
     Parameter,
     SpecialFunction,
     TypeName,
 )
+from gateway.pure.languages.baps2.type_names import KINEMATIC, TYPES, TypeReader
 from gateway.pure.languages.base.near import hint_of
-from gateway.pure.languages.base.source import Position
 
-PLAIN = ("INTEGER", "REAL", "BINARY", "CHAR", "TEXT")
-KINEMATIC = ("POINT", "JC_POINT", "WC_FRAME", "BELT")
-TYPES = (*PLAIN, *KINEMATIC, "ARRAY", "INPUT", "OUTPUT", "FILE", "BNR_FILE", "SEMAPHORE")
 STARTERS = (*TYPES, "CONST", "PUBLIC", "DEF", "EXTERNAL", "SPC_FCT", "VALUE")
 BODY = ("BEGIN", "START", "PROGRAM_END", "SUB_END", "END", "SUBROUTINE", "PROGRAM")
 FAR = 2_000  # tokens that a misspelt declaration may have
 
 
-class DeclarationReader:
+class DeclarationReader(TypeReader):
     """Reads from a stream; declared names are entered in `names` of the expression reader at once."""
 
     def __init__(self, stream: Stream, expressions: ExpressionReader, head: Head) -> None:
-        self._stream, self._expressions, self._head = stream, expressions, head
+        super().__init__(stream, expressions, head)
         self.files: set[str] = set()
         self.belts: set[str] = set()
         self.semaphores: set[str] = set()
+        self.inputs: set[str] = set()
         self.programs: set[str] = set()  # external ones, which are called by their names
         self.garbled: list[Parameter] = []  # of a subroutine whose parameters are misread
         self._begun: list[Token] = []  # names of the declaration that is read
@@ -61,11 +58,36 @@ class DeclarationReader:
         if self._of_no_kinematic():
             found += self._pass_over(self._stream.place)
             return True
-        if self._stream.token.kind is not Kind.NAME or self._stream.is_word(BODY) or not self._declares_on():
+        if self._stream.token.kind is not Kind.NAME or self._stream.is_word(BODY):
+            return False
+        if self._misspelt_starter():
+            return True
+        if not self._declares_on():
             return False
         self._stream.faults.error("syntax", self._stream.token.position, f"a declaration or BEGIN is expected, not {self._stream.token}")
         found += self._pass_over(self._stream.place)
         return True
+
+    def _misspelt_starter(self) -> bool:
+        """Whether the first word of a declaration is next with a slip in it; it is reported, and read as it was meant."""
+        token, behind = self._stream.token, self._stream.ahead()
+        numbered = behind.text == ":" and self._stream.ahead(2).kind is Kind.NUMBER
+        if not numbered and behind.text != "[" and behind.word not in STARTERS and behind.key not in self._head.kinematics:
+            return False
+        spelling = self._stream.slip(self._likely(behind))
+        if spelling:
+            hint = f"did you mean {spelling}?"
+            self._stream.faults.error("syntax", token.position, f"a declaration or BEGIN is expected, not {token}", hint)
+            self._stream.read_as(spelling)
+        return bool(spelling)
+
+    def _likely(self, behind: Token) -> tuple[str, ...]:
+        """Return the first words of a declaration that may be in front of this token."""
+        if behind.text == "[":
+            return ("ARRAY",)
+        if behind.text == ":":
+            return ("INPUT", "OUTPUT")
+        return ("INPUT", "OUTPUT", "FILE", "PUBLIC", "DEF")
 
     def _of_no_kinematic(self) -> bool:
         """Whether points of a kinematic that is not declared are next; it is reported."""
@@ -97,15 +119,16 @@ class DeclarationReader:
             token = self._stream.ahead(count)
             if token.kind is Kind.END or (token.text == "=" and not colon and self._stream.ahead(count - 1).kind is Kind.NAME):
                 return False
-            if token.word and token.key not in self._expressions.names:
+            if (
+                token.word
+                and token.key not in self._expressions.names
+                and not (self._stream.is_foreign(token) and token.word not in STARTERS)
+            ):
                 return token.word in STARTERS or token.word in ("BEGIN", "START")
         return False
 
     def _begins(self) -> bool:
         return self._stream.is_word(STARTERS) or self._is_kinematic(self._stream.token)
-
-    def _is_kinematic(self, token: Token) -> bool:
-        return token.kind is Kind.NAME and self._stream.ahead().text == "." and token.key in self._head.kinematics
 
     def _pass_over(self, place: int) -> list[Declaration]:
         """Skip to the next declaration or the body; the skipped names are declared with any type, so that their uses are not further
@@ -160,67 +183,6 @@ class DeclarationReader:
             return list(self._channels(kind))
         return [Declared(token.position, token.key, kind, None, public, teach) for token in self._names(kind)]
 
-    def _colon(self, where: str) -> bool:
-        """Read the colon; report a missing or wrong one and still read the rest of the line.  False: a semicolon in its place turns the
-        list into a comment.
-        """
-        if self._stream.sign(":"):
-            self._stream.doubled(":")
-            return True
-        self._stream.missing("':'", where)
-        if self._stream.commented():
-            return False
-        if not (self._stream.sign("=", ",", ".") or self._listed(self._stream.token)):
-            raise Misread
-        return True
-
-    def _listed(self, token: Token) -> bool:
-        """Whether a name or a number is next, in the line of the token before it."""
-        named = token.kind is Kind.NAME and (not token.word or self._stream.is_foreign())
-        return (named or token.kind is Kind.NUMBER) and token.position.line == self._stream.ahead(-1).position.line
-
-    def type_name(self) -> TypeName:
-        """A type as it is written."""
-        token, kinematic = self._stream.token, ""
-        if self._is_kinematic(token):
-            kinematic = token.key
-            self._stream.take()
-            self._stream.take()
-        elif self._stream.ahead().text == "." and self._stream.ahead(2).word in KINEMATIC:
-            self._stream.wrong(f"kinematic {token.text} is not declared", "kinematic-unknown", token.position)
-        word = self._stream.token.word
-        if word not in TYPES or (kinematic and word not in KINEMATIC):
-            self._stream.wrong(f"a type is expected, not {self._stream.token}")
-        self._stream.take()
-        if word == "ARRAY":
-            return self._array(token.position)
-        element = ""
-        if word in ("FILE", "INPUT", "OUTPUT") and self._stream.is_word((*PLAIN, *KINEMATIC)) and not self._stream.commented():
-            element = self._stream.take().word
-        return TypeName(token.position, word, kinematic, element=element)
-
-    def _array(self, at: Position) -> TypeName:
-        self._stream.expect_sign("[", "after ARRAY")
-        low: Expression = Faulty(at)
-        high: Expression = Faulty(at)
-        depth = self._stream.depth
-        try:
-            low = self._expressions.read()
-            self._stream.expect_sign("..", "between the bounds")
-            high = self._expressions.read()
-        except Misread:
-            self._stream.back_to(depth)
-            if not self._stream.passed_to_sign("]"):
-                raise
-        if not self._stream.sign("]"):
-            self._stream.missing("']'", "after the bounds")
-            if not self._stream.is_word(TYPES):
-                raise Misread
-        kind = self.type_name()
-        if kind.base not in (*PLAIN, "POINT", "JC_POINT"):
-            self._stream.wrong(f"{kind.base} is not a type of an element", at=kind.at)
-        return TypeName(at, kind.base, kind.kinematic, low, high)
-
     def _names(self, kind: TypeName | None) -> list[Token]:
         if self._begins_next():
             self._stream.faults.error("syntax", self._stream.gap, f"a name is expected, not {self._stream.token}")
@@ -229,6 +191,9 @@ class DeclarationReader:
         while self._stream.comma() or self._no_comma(found[-1]):
             if self._begins_next():
                 break  # a surplus comma before the next declaration
+            if self._body_next():
+                self._stream.faults.error("syntax", self._stream.gap, f"a name is expected after ',', not {self._stream.token}")
+                break
             found.append(self._declare(self._stream.name("a name"), kind))
         for token in self._stream.commented():
             self._head.commented.setdefault(token.key, token.position.line)
@@ -238,12 +203,16 @@ class DeclarationReader:
         """Whether the next name of a list follows without its comma; it is reported."""
         token, behind = self._stream.token, self._stream.ahead()
         listed = behind.text == "," or behind.word in STARTERS or behind.word in ("BEGIN", "START") or behind.kind is Kind.END
-        other = token.word or token.key in self._head.kinematics or behind.text in (":", "[", "(", "=", ".")
+        word = token.word and not self._stream.is_foreign()
+        other = word or token.key in self._head.kinematics or behind.text in (":", "[", "(", "=", ".")
         if self._stream.is_sign(".") and behind.kind is Kind.NAME:
             self._stream.missing("','", f"after {before.text}")
             self._stream.take()
             return True
         if token.kind is not Kind.NAME or other:
+            return False
+        fresh = token.position.line != before.position.line
+        if fresh and behind.word in STARTERS and self._stream.slip(STARTERS):
             return False
         if not listed and token.position.line != before.position.line:
             return False
@@ -255,6 +224,11 @@ class DeclarationReader:
         behind = self._stream.ahead().text
         return self._begins() and behind not in (",", "=") and (behind in (":", "[") or not self._stream.is_foreign())
 
+    def _body_next(self) -> bool:
+        """Return whether the body begins in a new line where a name is expected, and not a name that is like its word."""
+        fresh = self._stream.ahead(-1).position.line != self._stream.token.position.line
+        return fresh and self._stream.is_word(BODY) and self._stream.ahead().text not in (",", "=")
+
     def _declare(self, token: Token, kind: TypeName | None) -> Token:
         self._expressions.names.add(token.key)
         self._begun.append(token)
@@ -263,6 +237,8 @@ class DeclarationReader:
             self.files.add(token.key)
         if kind is not None and kind.base == "BELT":
             self.belts.add(token.key)
+        if kind is not None and kind.base == "INPUT":
+            self.inputs.add(token.key)
         if kind is not None and kind.base == "SEMAPHORE":
             self.semaphores.add(token.key)
         return token
@@ -274,7 +250,9 @@ class DeclarationReader:
             self._equal("after the name of a constant")
             found.append(Constant(token.position, token.key, self._expressions.alone()))
             comma = self._stream.comma()
-            if self._stream.token.kind is not Kind.NAME or self._stream.ahead().text != "=" or (not comma and self._begins()):
+            behind = self._stream.ahead()
+            goes_on = behind.text == "=" or (comma and behind.kind in (Kind.NUMBER, Kind.TEXT))
+            if self._stream.token.kind is not Kind.NAME or not goes_on or (not comma and self._begins()):
                 return found
 
     def _channels(self, kind: TypeName) -> list[Declared]:
@@ -287,13 +265,17 @@ class DeclarationReader:
             else:
                 channel = self._expressions.sum()
             self._equal("after the channel")
+            if self._body_next():
+                self._stream.wrong(f"the name of the channel is expected, not {self._stream.token}")
             token = self._declare(self._stream.name("the name of the channel"), kind)
             found.append(_misread(token) if channel is None else Declared(token.position, token.key, kind, channel))
-            if not self._stream.comma() and self._stream.is_sign(".") and self._stream.ahead().kind is Kind.NUMBER:
+            comma = self._stream.comma()
+            if not comma and self._stream.is_sign(".") and self._stream.ahead().kind is Kind.NUMBER:
                 self._stream.missing("','", f"after {token.text}")
                 self._stream.take()
+            in_line = self._stream.token.position.line == token.position.line
             number = self._stream.token.kind is Kind.NUMBER or self._stream.is_sign("=")
-            constant = self._expressions.names_it(self._stream.token) and self._stream.ahead().text == "="
+            constant = (comma or in_line) and self._expressions.names_it(self._stream.token) and self._stream.ahead().text == "="
             if not (number or constant):
                 return found
 
@@ -353,9 +335,10 @@ class DeclarationReader:
         """Behind the bracket that closes faulty parameters; names on the way may be anything."""
         depth = 1
         while depth and not (self._stream.is_word(BODY) or self._stream.token.kind is Kind.END):
+            foreign = self._stream.is_foreign()
             token = self._stream.take()
             depth += (token.text == "(") - (token.text == ")")
-            if token.kind is Kind.NAME and not token.word and token.key not in {each.name for each in found}:
+            if token.kind is Kind.NAME and (foreign or not token.word) and token.key not in {each.name for each in found}:
                 found.append(Parameter(token.position, token.key, TypeName(token.position, ""), False))
 
     def _parameters(self, found: list[Parameter]) -> None:
@@ -368,7 +351,7 @@ class DeclarationReader:
                 found.append(Parameter(token.position, token.key, kind, by_value))
                 if not (self._stream.sign(",") or self._no_comma_here(token)) or self._group():
                     break
-            if not (self._group() or self._stream.is_sign(")")):
+            if not (self._group() or self._misspelt_value() or self._stream.is_sign(")")):
                 self._stream.wrong(f"')' is expected after the parameters, not {self._stream.token}", at=self._stream.gap)
 
     def _no_comma_here(self, before: Token) -> bool:
@@ -382,23 +365,29 @@ class DeclarationReader:
     def _by_value(self) -> bool:
         """Read VALUE; report another word before a type."""
         token = self._stream.token
-        if token.kind is Kind.NAME and not token.word and self._stream.ahead().word in TYPES:
+        if self._misspelt_value():
             self._stream.faults.error("syntax", self._stream.gap, f"VALUE or a type is expected, not {token}")
             self._stream.take()
             return True
         return self._stream.word("VALUE")
 
+    def _misspelt_value(self) -> bool:
+        """Whether a name that is no parameter is in front of a type."""
+        token, behind = self._stream.token, self._stream.ahead()
+        typed = behind.word in TYPES or (behind.key in self._head.kinematics and self._stream.ahead(2).text == ".")
+        return token.kind is Kind.NAME and not token.word and typed
+
     def _parameter_type(self) -> TypeName:
         """A type; one that is misspelt is reported, and the parameter may be anything."""
-        token = self._stream.token
-        if token.kind is not Kind.NAME or token.word in TYPES or self._stream.ahead().text != ":":
-            return self.type_name()
-        self._stream.faults.error("syntax", self._stream.gap, f"a type is expected, not {token}")
-        return TypeName(self._stream.take().position, "")
+        at = self._stream.token.position
+        return TypeName(at, "") if self._misspelt_type() else self.type_name()
 
     def _group(self) -> bool:
-        """Whether a group of parameters begins here."""
-        misspelt = self._stream.token.kind is Kind.NAME and self._stream.ahead().text == ":"
+        """Whether a group of parameters begins here, and not a name that is a word of the other language (`REAL : MASS, WERT`)."""
+        behind = self._stream.ahead()
+        misspelt = self._stream.token.kind is Kind.NAME and behind.text == ":"
+        if self._stream.is_foreign() and (behind.text in (",", ")") or behind.word == "VALUE"):
+            return False
         return misspelt or self._stream.is_word((*TYPES, "VALUE")) or self._is_kinematic(self._stream.token)
 
 

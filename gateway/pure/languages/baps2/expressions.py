@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from gateway.pure.languages.baps2.lexer import Kind, Token
-from gateway.pure.languages.baps2.standard import GERMAN
+from gateway.pure.languages.baps2.standard import CONDITIONS, CONVERSIONS, ENDS, FUNCTIONS, GERMAN
 from gateway.pure.languages.baps2.stream import Stream
 from gateway.pure.languages.baps2.tree import Binary, Call, Expression, Index, Member, Name, Number, PointValue, Text, Unary
 
@@ -12,6 +12,8 @@ T = TypeVar("T")
 LEVELS = {"OR": 0, "AND": 1, **dict.fromkeys(("=", "<>", "<", ">", "<=", ">="), 3), "+": 4, "-": 4, "*": 5, "/": 5, "MOD": 5}
 NOT_LEVEL, COMPARED = 2, 3
 BEHIND_OPERAND = (".", "[", "%")
+CALLED = frozenset((*FUNCTIONS, *CONVERSIONS, *CONDITIONS, *ENDS))  # their value is in brackets
+BEHIND_VALUE = ("AND", "OR", "MOD", "THEN", "TIMES", "EQUAL", "MAX_TIME", "ERROR")
 FUNCTION_WORDS = {"CHAR": "CHR", "WC_FRAME": "WC_FRAME"}  # words that are functions in front of a bracket
 
 
@@ -134,7 +136,9 @@ class ExpressionReader:
         name = token.key
         declared = name in self.names
         if token.word and not declared and not (token.word in FUNCTION_WORDS and self._stream.ahead().text == "("):
-            self._stream.wrong(f"a value is expected, not the word {token}")
+            if not self._foreign_name():
+                self._stream.wrong(f"a value is expected, not the word {token}")
+            token = token._replace(word="")
         self._stream.take()
         behind = self._stream.token
         if not declared:
@@ -144,7 +148,18 @@ class ExpressionReader:
         if behind.text == "(" and behind.kind is Kind.SIGN:
             self._stream.take()
             return Call(token.position, name, self._list())
+        if not declared and name in CALLED and behind.kind is Kind.NAME and behind.position.line == token.position.line and not behind.word:
+            self._stream.faults.error("syntax", behind.position, f"'(' and ')' are missing around {behind}")
+            return Call(token.position, name, (self._operand(),))
         return Name(token.position, name)
+
+    def _foreign_name(self) -> bool:
+        """Whether a word of the other language is a name that is not declared: a value is expected in this line, and its end follows."""
+        token, behind = self._stream.token, self._stream.ahead()
+        if token.position.line != self._stream.ahead(-1).position.line or not self._stream.is_foreign():
+            return False
+        ends = behind.kind in (Kind.SIGN, Kind.END) and behind.text != "("
+        return ends or behind.word in BEHIND_VALUE or behind.position.line != token.position.line
 
     def _letter_o(self, token: Token) -> Expression:
         """`O.3`, which is meant to be 0.3."""
@@ -185,6 +200,8 @@ class ExpressionReader:
                 self._stream.take()
                 name = self._stream.take().key
                 value = Member(token.position, value, GERMAN.get(name, name))
+            elif token.text == "." and isinstance(value, Name | Member | Index):
+                self._stream.wrong(f"the name of a component is expected after '.', not {behind}", at=token.position)
             elif token.text == "[":
                 self._stream.take()
                 value = Index(token.position, value, self._within(self.read, lines=True))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
+from gateway.pure.languages.baps2.commented import Commented
 from gateway.pure.languages.baps2.expansion import expanded
 from gateway.pure.languages.baps2.reader import read
 from gateway.pure.languages.baps2.repair import Repair, repairs_of
@@ -79,9 +80,9 @@ class Library:
             return None
 
     def check(self, file: str, text: str) -> tuple[Unit | None, Faults]:
-        """Reads and checks one source; a file without a program that others include, with these."""
+        """Reads and checks one source; a file without PROGRAM that others include (only subroutines, for example), with these."""
         program, unit, faults = self.examined(file, text)
-        if program is None and (found := self._included(file)) is not None:
+        if (program is None or program.external_subroutine) and (found := self._included(file)) is not None:
             return None, found
         return unit, faults
 
@@ -124,6 +125,7 @@ class Library:
         if program is None:
             return None, None, faults
         unit = check(program, faults, other)
+        faults.alone_in_line("text-without-end")
         return program, (unit if not faults.errors else None), faults
 
     def _repaired(
@@ -138,8 +140,8 @@ class Library:
                 results[key] = self._checked(source, uses, key)
             return results[key][2]
 
-        tokens, _ = expanded(source, self._words, self._store, Faults())
-        return results[repairs_of(tokens, trial)]
+        tokens, rows = expanded(source, self._words, self._store, Faults())
+        return results[repairs_of(tokens, trial, Commented(rows, self._words))]
 
     def unit(self, name: str) -> tuple[Unit | None, Faults]:
         """Return a program that can run, or None with its faults; None without faults means that the source is missing."""

@@ -6,10 +6,11 @@ from gateway.pure.languages.baps2.declarations import DeclarationReader
 from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.slips import ELSE_IF, IN_FRONT, REMEDIES, WHOLE_LINES
-from gateway.pure.languages.baps2.standard import DEVICES, FUNCTIONS
+from gateway.pure.languages.baps2.standard import DEVICES, FACTORS, FUNCTIONS
 from gateway.pure.languages.baps2.stream import Misread, Stream
 from gateway.pure.languages.baps2.tree import Expression, Faulty, Head
 from gateway.pure.languages.base.near import hint_of
+from gateway.pure.languages.base.source import Position
 
 CLOSERS = frozenset(
     "END PROGRAM_END SUB_END REPEAT_END PARALLEL_END ALSO EXCLUSIVE_END CASE_END EQUAL DEFAULT ELSE SUBROUTINE PROGRAM".split()
@@ -19,6 +20,7 @@ WITH_OPERAND = frozenset(  # their operand is in their line
     "MOVE MOVE_REL WAIT IF CASE REPEAT EXCLUSIVE JUMP START STOP SYNC SYNCHRON "
     "READ WRITE READ_BEGIN WRITE_BEGIN WRITE_END CLOSE ASSIGN".split()
 )
+OF_FILES = ("READ", "WRITE", "READ_BEGIN", "WRITE_BEGIN", "WRITE_END", "CLOSE", "ASSIGN")  # a file may follow
 OPERATORS = ("UNTIL", "AND", "OR", "NOT", "WITH")  # a value follows, not a statement
 WAITING = ("(", "[", "+", "-", "*", "/", ",", "=", "<", ">", "<=", ">=", "<>")  # a value follows here, too
 SECOND = ("END", "BEGIN")  # words that are the second half of others
@@ -55,6 +57,8 @@ class Mistakes:
         ):
             return False
         alone = following.kind is Kind.END or following.position.line != token.position.line
+        if following.key in self._declarations.files:
+            words = [each for each in words if each in OF_FILES] or words
         spelling = self._stream.slip([each for each in words if not (alone and each in WITH_OPERAND)])
         if spelling:
             self._stream.faults.error("name-unknown", token.position, f"{token.text} is not a subroutine", f"did you mean {spelling}?")
@@ -251,6 +255,27 @@ class Mistakes:
     def condition(self, ends: Collection[str]) -> Expression:
         """Read a condition; if it is misread, reading continues at one of these words."""
         return self._value(self._expressions.condition, lambda line: self._goes_on(ends))
+
+    def no_condition(self, at: Position) -> bool:
+        """Whether UNTIL ends its line and a label, or an assignment that is not indented, follows and no condition; it is reported."""
+        token, behind = self._stream.token, self._stream.ahead()
+        if not self._stream.ends_line():
+            return False
+        own = token.key in self._expressions.names or token.key not in FACTORS
+        indented = token.position.column > at.column or token.key in self._declarations.inputs
+        if behind.text != ":" and own and (indented or self._goes_on_in_line(("MAX_TIME", "THEN"))):
+            return False
+        self._stream.faults.error("syntax", self._stream.gap, f"a condition is expected after WAIT UNTIL, not {token}")
+        return True
+
+    def _goes_on_in_line(self, words: Collection[str]) -> bool:
+        """Whether one of the words is in the line of the next token."""
+        line, place = self._stream.token.position.line, 0
+        while (token := self._stream.ahead(place)).position.line == line and token.kind is not Kind.END:
+            if token.word in words:
+                return True
+            place += 1
+        return False
 
     def header(self) -> Expression:
         """Read the operand of a REPEAT or CASE; if it is misread, reading continues after its line."""

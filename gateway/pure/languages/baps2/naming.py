@@ -1,6 +1,6 @@
 """Enters the declarations of a program in its names: types, constants, channels, imports, special functions."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 
 from gateway.pure.languages.baps2 import standard
 from gateway.pure.languages.baps2.scope import Names, Symbol, python_name
@@ -8,6 +8,7 @@ from gateway.pure.languages.baps2.tree import Constant, Declaration, Declared, E
 from gateway.pure.languages.baps2.types import BINARY, FRAME, INTEGER, NONE, REAL, Type
 from gateway.pure.languages.baps2.typing import Typing
 from gateway.pure.languages.base.faults import Faults
+from gateway.pure.languages.base.near import hint_of
 from gateway.pure.languages.base.source import Position
 
 Programs = Callable[[str], Program | None]
@@ -128,12 +129,13 @@ class Naming:
             return
         if level:
             self.fault("public-place", each.at, "EXTERNAL data belong in the declarations of the main program only")
-        if self._imported not in ("", each.program):
+        exporter = self._programs(each.program)
+        if exporter is not None and self._imported not in ("", each.program):
             self.fault("import-two", each.at, f"data of {self._imported} are imported already; data may be imported from one program only")
-        self._imported = each.program
+        if exporter is not None:
+            self._imported = each.program
         if self.publics:
             self._mixed(each.at)
-        exporter = self._programs(each.program)
         if exporter is None and each.program not in self._gone:
             self._gone.add(each.program)
             self.fault(
@@ -144,9 +146,17 @@ class Naming:
             found = exports.get(name)
             if found is None:
                 if exporter is not None:
-                    self.fault("import-unknown", at, f"{name} is not PUBLIC in {each.program}")
+                    hint = hint_of(name, exports)
+                    self.fault("import-unknown", at, f"{name} is not PUBLIC in {each.program}", hint)
+                    self._meant(name, exports, at)
                 found = Symbol(name, "variable", NONE, python_name(name, 0))
             self._names.declare(self._imported_symbol(found, each.program), at)
+
+    def _meant(self, name: str, exports: Mapping[str, Symbol], at: Position) -> None:
+        """Declare the name that a misspelt import is like, if the program does not: its uses are consequences."""
+        for like in exports:
+            if hint_of(name, (like,)) and self._names.find(like) is None:
+                self._names.declare(Symbol(like, "variable", NONE, python_name(like, 0)), at)
 
     def _mixed(self, at: Position) -> None:
         self.fault("import-mixed", at, "a program imports data or exports them, not both")

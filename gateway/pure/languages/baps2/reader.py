@@ -45,6 +45,7 @@ class _Reader:
         main = self._routine()
         if early:
             known = {getattr(each, "name", "") for each in main.declarations}
+            known |= set(self._stream.routines)
             main = replace(main, declarations=(*main.declarations, *(each for name, each in early.items() if name not in known)))
         external = external or bool(main.parameters)  # only a caller has values for them
         self._head.over = True
@@ -105,8 +106,12 @@ class _Reader:
         if self._nameless():
             return True
         if token.kind is not Kind.END and token.word != "SUBROUTINE":
-            self._faults.error("behind-the-end", token.position, f"only subroutines may follow here, not {token}")
-            if token.word not in ENDS:
+            spelling = self._stream.slip(("SUBROUTINE",))
+            hint = f"did you mean {spelling}?" if spelling else ""
+            self._faults.error("behind-the-end", token.position, f"only subroutines may follow here, not {token}", hint)
+            if spelling:
+                self._stream.read_as(spelling)
+            elif token.word not in ENDS:
                 self._find()
         return self._stream.token.kind is not Kind.END
 
@@ -131,6 +136,7 @@ class _Reader:
             declarations.files |= self._main[1].files
             declarations.belts |= self._main[1].belts
             declarations.semaphores |= self._main[1].semaphores
+            declarations.inputs |= self._main[1].inputs
             declarations.programs |= self._main[1].programs
         parameters: tuple[Parameter, ...] = ()
         try:

@@ -6,11 +6,12 @@ AX-1822.
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import islice, pairwise
 
-from gateway.pure.languages.baps2.declarations import KINEMATIC, STARTERS
+from gateway.pure.languages.baps2.declarations import STARTERS
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.mistakes import CLOSERS, WITH_OPERAND
+from gateway.pure.languages.baps2.type_names import KINEMATIC
 from gateway.pure.languages.base.faults import Faults, Severity
 from gateway.pure.languages.base.source import base_name
 
@@ -27,6 +28,7 @@ STATEMENTS = (CLOSERS | WITH_OPERAND | {"BEGIN", "PARALLEL", "HALT", "BREAK", "S
 BEHIND = ("TO", "VIA", "THEN", "AND", "OR", "MAX_TIME", "ERROR", "TIMES", "EQUAL")  # the content of brackets ends before these
 OPERANDS = (Kind.NAME, Kind.NUMBER, Kind.TEXT)
 BEGINS = ("BEGIN", "START")
+SIGNS = (".", "=", ",", ":")  # that are put between two operands
 NAMED_BY = ("PROGRAM", "SUBROUTINE")  # a name follows
 _NUMBERED = re.compile(r"\d\s*=\s*([^\W\d]\w*)")
 _NAME = re.compile(r"@?[^\W\d]\w*")
@@ -41,27 +43,31 @@ class Repair:
     text: str
     hint: str = ""
     drop: bool = False
+    more: tuple[Token, ...] = ()  # that follow it
 
     def apply(self, tokens: list[Token]) -> None:
         """Puts the token in its place, or leaves it out."""
         if self.drop:
             del tokens[self.place]
         else:
-            tokens.insert(self.place, self.token)
+            tokens[self.place : self.place] = [self.token, *self.more]
 
 
 Trial = Callable[[Sequence[Repair]], Faults]  # the faults of the program with these repairs
+Finder = Callable[[Sequence[Token], Faults], Iterator[Repair]]
 
 
-def repairs_of(tokens: list[Token], trial: Trial) -> tuple[Repair, ...]:
-    """The repairs that leave the fewest errors, each of which counts as one; () where none helps.  `tokens`: all of the program."""
+def repairs_of(tokens: list[Token], trial: Trial, commented: Finder) -> tuple[Repair, ...]:
+    """The repairs that leave the fewest errors, each of which counts as one; () where none helps.  `tokens`: all of the program;
+    `commented`: finds semicolons that are meant as other signs.
+    """
     chosen: tuple[Repair, ...] = ()
     faults = trial(())
     left = MOST_TOKENS // len(tokens)  # trials
     while left and faults.errors > len(chosen) + 1 and len(chosen) < MOST_REPAIRS:
         best: Repair | None = None
         fewest = faults.errors
-        kinds = (_doubled, _brackets, _names)
+        kinds = (_doubled, _brackets, _names, _signs, _labels, commented)
         places = [each for kind in kinds for each in islice(kind(tokens, faults), MOST_PLACES)]
         for each in _nearest(places, faults)[:left]:
             left -= 1
@@ -213,7 +219,7 @@ def _names(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
                 yield _named(place, name, tokens)
         elif (
             behind.text == "."
-            and (fresh or before.kind is not Kind.NAME)
+            and (fresh or before.kind is not Kind.NAME or not before.touches(behind))
             and place + 1 < len(tokens)
             and tokens[place + 1].word in KINEMATIC
         ):
@@ -244,13 +250,14 @@ def _wanted(tokens: Sequence[Token], faults: Faults) -> list[Token]:
         if each.severity is Severity.ERROR and each.id not in ("syntax", "no-begin"):
             lines.setdefault(each.position[:2], set()).update(_NAME.findall(each.text.upper()))
     places = {each.position for each in faults if each.id == "type"}
+    unknown = {each.position for each in faults if each.id == "name-unknown"}  # also a word of the other language
     found, declared, body = list[tuple[Token, set[str]]](), [set[str]()], False  # the names of the program, and of each subroutine
     for token in tokens:
         if token.word == "SUBROUTINE":
             declared.append(set())
         if token.word in (*NAMED_BY, *BEGINS):
             body = token.word in BEGINS
-        if token.kind is not Kind.NAME or token.word:
+        if token.kind is not Kind.NAME or (token.word and token.position not in unknown):
             continue
         if not body:
             declared[-1].add(token.key)
@@ -271,6 +278,57 @@ def _lacks_name(tokens: Sequence[Token], place: int) -> bool:
     listed: Collection[str] = (*STARTERS, "BEGIN", "START")
     number = behind.kind is Kind.NUMBER and before.text == "=" and tokens[place + 1].text == "="
     return behind.text in (",", ")", "(") or behind.kind in (Kind.END, Kind.INSTRUCTION) or behind.word in listed or number
+
+
+# ---- signs and labels
+
+
+def _signs(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
+    """Signs between two operands, in lines with a fault; and WRITE in front of a list of values."""
+    lines = {each.position[:2] for each in faults if each.severity is Severity.ERROR}
+    for place in range(1, len(tokens)):
+        before, behind = tokens[place - 1], tokens[place]
+        if before.position[:2] not in lines or before.position[:2] != behind.position[:2]:
+            continue
+        first = place < 2 or tokens[place - 2].position[:2] != before.position[:2]
+        if first and behind.text == "," and before.kind is Kind.NAME:
+            yield Repair(
+                place - 1, Token.of(Kind.NAME, "WRITE", before.position, "WRITE"), f"READ or WRITE is missing in front of {before}"
+            )
+        if not _ends_operand(before) or not _begins_operand(behind):
+            continue
+        for sign in SIGNS:
+            if sign == "." and behind.kind is not Kind.NAME:
+                continue
+            what = "an operator" if sign == "=" and not first and tokens[place - 2].text not in (",", ":") else f"'{sign}'"
+            yield Repair(place, Token.of(Kind.SIGN, sign, before.end), f"{what} is missing in front of {behind}")
+
+
+def _ends_operand(token: Token) -> bool:
+    return (token.kind in OPERANDS and not token.word) or (token.kind is Kind.SIGN and token.text in PAIRS)
+
+
+def _begins_operand(token: Token) -> bool:
+    return token.kind in OPERANDS and (not token.word or token.word in KINEMATIC)
+
+
+def _labels(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
+    """Colons after names that a JUMP leads to, and labels in front of a colon, each at the beginning of a line."""
+    jumped = {behind.key: behind for before, behind in pairwise(tokens) if before.word == "JUMP" and behind.kind is Kind.NAME}
+    if not jumped:
+        return
+    marked = {before.key for before, behind in pairwise(tokens) if behind.text == ":"}
+    for place in range(1, len(tokens)):
+        before, token = tokens[place - 1 : place + 1]
+        if before.position.line == token.position.line:
+            continue
+        if token.text == ":":
+            for name in [key for key in jumped if key not in marked][:MOST_NAMES]:
+                yield Repair(
+                    place, Token.of(Kind.NAME, jumped[name].text, token.position), "the name of a label is missing in front of ':'"
+                )
+        elif token.key in jumped and token.key not in marked and place + 1 < len(tokens):
+            yield Repair(place + 1, Token.of(Kind.SIGN, ":", token.end), f"':' is missing after the label {token}")
 
 
 def _declares(tokens: Sequence[Token], place: int) -> bool:

@@ -48,6 +48,7 @@ class Names:
     head: Head
     faults: Faults
     scopes: list[dict[str, Symbol]] = field(default_factory=lambda: [{}])
+    _twice: tuple[str, int] = ("", 0)  # file and line of the last name that was declared twice
     _unknown: set[str] = field(default_factory=set)  # names reported as not declared
     _values: dict[tuple[str, int], list[Position]] = field(default_factory=dict)  # routine, parameter that it may set -> values passed
     _variables: set[tuple[str, int]] = field(default_factory=set)  # parameters that a call has passed a variable to
@@ -57,7 +58,9 @@ class Names:
         if symbol.name in TAKEN:
             self.faults.error("name-taken", at, f"{symbol.name} is a standard subroutine", "give it another name")
         if symbol.name in self.scopes[-1]:
-            self.faults.error("declared-twice", at, f"{symbol.name} is declared twice")
+            if at[:2] != self._twice:  # a list that is copied is one mistake
+                self.faults.error("declared-twice", at, f"{symbol.name} is declared twice")
+            self._twice = at[:2]
             return
         self.scopes[-1][symbol.name] = symbol
 

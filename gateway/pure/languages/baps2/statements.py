@@ -41,6 +41,7 @@ from gateway.pure.languages.baps2.tree import (
 )
 from gateway.pure.languages.base.source import Position
 
+AFTER_THEN = "after THEN"
 IN_MOVE = ("LINEAR", "CIRCULAR", "WITH", "UNTIL")
 BEHIND_UNTIL = (*IN_MOVE, "ERROR", "MAX_TIME")
 ROUTINE_ENDS = frozenset("PROGRAM_END SUB_END SUBROUTINE PROGRAM".split())
@@ -119,6 +120,9 @@ class StatementReader:
         at = self._stream.token.position
         if (jump := self._missing.jump()) is not None:
             return jump
+        if self._stream.token.word == "ELSE" and where == AFTER_THEN:
+            self._stream.faults.error("syntax", self._stream.gap, f"a statement is expected {where}, not {self._stream.token}")
+            return Block(at, ())
         if self._stream.is_word(CLOSERS) or self._stream.token.kind is Kind.END:
             self._stream.wrong(f"a statement is expected {where}, not {self._stream.token}")
         return self.one() or Block(at, ())
@@ -149,6 +153,9 @@ class StatementReader:
             return Label(token.position, self._stream.take().key)
         if (assigned and is_name) or self._mistakes.unassigned():
             return self._set()
+        if token.word and following.text in ASSIGNED and self._stream.is_foreign():
+            self._stream.read_as_name()
+            return self._set()
         if token.word and following.text == "=":
             self._stream.wrong(f"a value is expected, not the word {token}", at=token.position)
         return self._other(token)
@@ -177,6 +184,8 @@ class StatementReader:
         if far and self._stream.ahead().text in ("=", ":"):
             self._stream.wrong(f"{what} is expected, not {token}")
         begins = token.word in self.readers and far
+        if what == "a label" and not far and self._stream.is_foreign():
+            return self._stream.take().key
         if (token.word in CLOSERS or begins) and not self._expressions.names_it(token):
             self._stream.wrong(f"{what} is expected, not {token}")
         return self._stream.name(what).key
@@ -294,7 +303,7 @@ class StatementReader:
                 return tuple(found)
 
     def _sync(self, at: Position) -> Sync:
-        belt = self._stream.name("a belt")
+        belt = self._stream.token._replace(key=self._called("a belt"))
         self._stream.sign(",")
         if self._stream.is_sign(">=", "<=", ">", "<", "="):
             sign = self._stream.take()
@@ -304,7 +313,7 @@ class StatementReader:
     def _synchron(self, at: Position) -> Synchron:
         kinematic = self._kinematic()
         self._stream.sign(",")
-        return Synchron(at, kinematic, self._stream.name("a belt").key)
+        return Synchron(at, kinematic, self._called("a belt"))
 
     # ---- flow
 
@@ -313,6 +322,8 @@ class StatementReader:
         max_time: Expression | None = None
         otherwise: Statement | None = None
         if self._stream.word("UNTIL"):
+            if self._mistakes.no_condition(at):
+                return WaitUntil(at, Faulty(at), None, None)
             condition = self._mistakes.condition(("MAX_TIME", "ERROR"))
         else:
             first, condition = self._stream.token, self._expressions.alone()
@@ -333,7 +344,7 @@ class StatementReader:
             condition = Faulty(at)
         self._mistakes.then()
         self._missing.open.append(("ELSE",))
-        then = self.required("after THEN")
+        then = self.required(AFTER_THEN)
         self._missing.open.pop()
         self._mistakes.misspelt(("ELSE",))
         otherwise = self._mistakes.else_if() or self._stream.word("ELSE")

@@ -226,7 +226,8 @@ class Stream:
     def settle(self, names: Collection[str]) -> None:
         """In the routine that begins, words that are names of this text are names and no words."""
         if self._labels is None:
-            self._labels = labels_among({name for name in self.jumped if name in self._words}, self._tokens)
+            ends = {token.key for token in self._tokens if token.word in ("END", "ERROR")}  # only as a label has it a colon
+            self._labels = labels_among({name for name in self.jumped if name in self._words} | ends, self._tokens)
         homonyms = {name for name in (*names, *self.routines) if name in self._words}
         if not (homonyms or self._labels):
             return
@@ -234,9 +235,9 @@ class Stream:
             self._tokens[place] = self._tokens[place]._replace(word="")
         self.token = self._tokens[self._next]
 
-    def is_foreign(self) -> bool:
-        """Whether the next token is a word of the other language alone."""
-        return is_foreign(self.token, language_of(self._tokens, self._words), self._words)
+    def is_foreign(self, token: Token | None = None) -> bool:
+        """Whether this token, or the next one, is a word of the other language alone."""
+        return is_foreign(token or self.token, language_of(self._tokens, self._words), self._words)
 
     def read_as_name(self) -> None:
         """From now on the next token is a name."""

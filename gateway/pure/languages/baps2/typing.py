@@ -211,14 +211,13 @@ class Typing:
         if tree.name in standard.CONDITIONS:
             return self._condition(tree)
         if tree.name in standard.ENDS:
-            unit = self.unit(tree.arguments[0]) if len(tree.arguments) == 1 else ""
-            return Typed(BINARY, f"h.at_end(p, {unit})", truth=True) if unit else self.fault("type", tree.at, f"{tree.name} takes a file")
+            return self._at_end(tree)
         if tree.name in standard.CONVERSIONS:
             return self._conversion(tree)
         if tree.name == "WC_FRAME":
+            if len(tree.arguments) != 6:
+                return self.fault("argument-count", tree.at, f"WC_FRAME takes 6 values, not {len(tree.arguments)}")
             parts = [self.number(value, "a component") for value in tree.arguments]
-            if len(parts) != 6:
-                return self.fault("argument-count", tree.at, f"WC_FRAME takes 6 values, not {len(parts)}")
             return NOTHING if any(part.type is NONE for part in parts) else Typed(FRAME, numbers_text(parts))
         known = self.names.find(tree.name)
         if known is not None:
@@ -249,6 +248,14 @@ class Typing:
             return self._rounded(tree, value.constant)
         return Typed(result, f"{python}({value.code})")
 
+    def _at_end(self, tree: Call) -> Typed:
+        unit = self.unit(tree.arguments[0]) if len(tree.arguments) == 1 else ""
+        if unit:
+            return Typed(BINARY, f"h.at_end(p, {unit})", truth=True)
+        named = tree.arguments[0] if tree.arguments else None
+        self.names.once("type", named.name if isinstance(named, Name) else str(tree.at), tree.at, f"{tree.name} takes a file")
+        return NOTHING
+
     def _rounded(self, tree: Call, number: float) -> Typed:
         """ROUND or TRUNC of a constant is one."""
         try:
@@ -278,7 +285,9 @@ class Typing:
                 return self.fault("signal", argument.at, f"{argument.value!r} is not a signal", "the form is I88.0")
             code = f"Condition({argument.value.upper()!r}, True)"
         elif (unit := self.unit(argument)) == "":
-            return self.fault("type", tree.at, f"{tree.name} takes a device, a file or a signal")
+            named = argument.name if isinstance(argument, Name) else str(tree.at)
+            self.names.once("type", named, tree.at, f"{tree.name} takes a device, a file or a signal")
+            return NOTHING
         else:
             code = f"Condition({unit})"
         return Typed(INTEGER, f"h.condition(p, {code})" if self.direct else f"(yield {code})")

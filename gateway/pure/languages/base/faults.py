@@ -73,6 +73,12 @@ class Faults:
             self._places.add(key)
             self._found.append(fault)
 
+    def alone_in_line(self, id: str) -> None:
+        """Drop all other errors from lines that have one of this kind: what follows it there is read wrong."""
+        lines = {fault.position[:2] for fault in self._found if fault.id == id}
+        if lines:
+            self._found = [fault for fault in self._found if fault.id == id or fault.position[:2] not in lines]
+
     @property
     def errors(self) -> int:
         """How many errors there are."""

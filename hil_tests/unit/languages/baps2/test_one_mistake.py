@@ -95,6 +95,27 @@ def check(text: str) -> Faults:
         ("IF I = 1 THEN THEN I = 2 ELSE I = 3", "syntax", 0, 15),
         ("REPEAT 2 2 TIMES\nI = 2\nREPEAT_END", "syntax", 0, 10),
         ("WAIT UNTIL E1 = 1 MAX_TIME 5 ERROR HALT\nREPEAT 2 TIMES\nREPEAT_END", "syntax", 0, 28),
+        ("P1 X = 3", "syntax", 0, 3),
+        ("P1.X = P1 Y + 1", "syntax", 0, 10),
+        ("P1.X = P1. + 1", "syntax", 0, 10),
+        (": I = 1\nJUMP GO", "syntax", 0, 1),
+        ("ENDE I = 1\nJUMP ENDE", "syntax", 0, 5),
+        ("IF I = 1 THEN BEGIN\n JMUP ENDE\nEND\nENDE: HALT", "name-unknown", 1, 2),
+        ("IF I = 1 THEN JMUP FEHLER\nHALT\nFEHLER: I = 2", "name-unknown", 0, 15),
+        ("IF I = 1 THEN BEGIN\n JUMP ENDE\nEND\nENED: HALT", "label-missing", 1, 2),
+        ("FEHLER = 0\nI = FEHLER\nINT_ASC(I, T, 1, 3, FEHLER)", "name-unknown", 0, 1),
+        ("IF FEHLER = 0 THEN I = 2\nREPEAT FEHLER TIMES\nREPEAT_END", "name-unknown", 0, 4),
+        ("I, T", "syntax", 0, 1),
+        ("I CONDITION(PHG)", "syntax", 0, 2),
+        ("I = CONDITION PHG", "syntax", 0, 15),
+        ("WAIT UNTIL I 3", "syntax", 0, 13),
+        ("WAIT UNTIL\nV = 0", "syntax", 0, 11),
+        ("WAIT UNTIL\nI = 0\nI = 3", "syntax", 0, 11),
+        ("WAIT UNTIL\nL: I = 3\nJUMP L", "syntax", 0, 11),
+        ("IF I = 3 THEN\nELSE I = 2", "syntax", 0, 14),
+        ("WRITE Guten Tag', I", "text-without-end", 0, 16),
+        ("IF CONDITION;PHG) = 0 THEN I = 2", "syntax", 0, 13),
+        ("P1 = WC_FRAME(P1, P1, P1)", "argument-count", 0, 6),
     ],
 )
 def test_one_mistake_is_one_fault_at_its_place(statements: str, id: str, line: int, column: int) -> None:
@@ -114,11 +135,83 @@ def test_one_mistake_is_one_fault_at_its_place(statements: str, id: str, line: i
         "WAIT UNTIL E1 = 1 OR\nI = 2",
         "IF I +\nI = 2 THEN I = 3",
         "I = I +\nF[1]",
+        "WAIT UNTIL\n  I = 2",
+        "WAIT UNTIL\nE1 = 1",
+        "WAIT UNTIL\nI = 2 MAX_TIME = 1",
+        "I = 3 ; T, I",
     ],
 )
 def test_names_of_the_user_stay_names(statements: str) -> None:
     found = check(f"{HEAD}PROGRAM P\n{DECLARED} INTEGER : ALSSO\nBEGIN\n{statements}\nPROGRAM_END\nSR RPTT\nBEGIN\nSR_END\n")
     assert found.rows() == []
+
+
+@pytest.mark.parametrize(
+    "declared, statements, id, column",
+    [
+        ("CONST : A = 3, B 2, C = 4", "I = A + B + C", "syntax", 18),
+        ("INTEGER : A; B, C", "I = A + B + C", "syntax", 12),
+        ("OUTPUT : 7 ; LAMP, 8 = HORN", "LAMP = HORN", "syntax", 12),
+        ("OUTPUT : 7 =", "LAMP = 1", "syntax", 13),
+        ("INTEGER : A,", "B = A", "syntax", 13),
+        ("INTEGER : FEHLER A", "I = FEHLER + A", "syntax", 18),
+        ("INTEGER : FEHLER, , A", "I = FEHLER + A", "syntax", 19),
+        ("INTEGER E", "E = 1", "syntax", 9),
+        ("INTEGER F", "F[1] = 1", "syntax", 9),  # declared twice, too
+        ("INTEGER : I, T", "I = 1", "declared-twice", 11),
+        ("INETGER : A, FEHLER, C", "I = A + FEHLER + C", "syntax", 1),
+        ("INUT : 2 = E2", "WAIT UNTIL E2 = 1", "syntax", 1),
+        ("INPUT RAEL : 201 = E2", "WAIT UNTIL E2 > 1", "syntax", 7),
+        ("FILE RAEL : Q", "READ_BEGIN Q", "syntax", 6),
+        ("FLIE REAL : Q", "READ_BEGIN Q", "syntax", 1),
+        ("ARAY[1..3] ROB.POINT : Q", "MOVE ROB TO Q[1]", "syntax", 1),
+        ("ARRAY[1..3] CAHR : FELD", "FELD[1] = 'A'", "syntax", 13),
+        ("ARRAY[1..3] : FELD", "FELD[1] = 'A'", "syntax", 13),
+        ("FILE : LSITE", "ASSIGN LISTE, T\nI = CONDITION(LISTE)\nREAD_BEGIN LISTE", "file-unknown", 1),
+    ],
+)
+def test_one_mistake_in_a_declaration_is_one_fault(declared: str, statements: str, id: str, column: int) -> None:
+    found = check(f"{HEAD}PROGRAM P\n{DECLARED}\n{declared}\nBEGIN\n{statements}\nHALT\nPROGRAM_END\n")
+    line = FIRST + 1 if id == "file-unknown" else FIRST - 1  # a misspelt name is found where it is used
+    assert [(each.id, each.position.line, each.position.column) for each in found] == [(id, line, column)]
+
+
+@pytest.mark.parametrize(
+    "parameters, column",
+    [
+        ("(VALUE : A VALUE INTEGER : NACH)", 8),
+        ("(VLAUE ROB.POINT : A VALUE INTEGER : NACH)", 2),
+        ("(VALUE ROB.POINT : A VLAUE INTEGER : NACH)", 22),
+        ("(VALUE ROB.PIONT : A VALUE INTEGER : NACH)", 12),
+        ("(VALUE ROB POINT : A VALUE INTEGER : NACH)", 8),
+        ("(VALUE .POINT : A VALUE INTEGER : NACH)", 8),
+    ],
+)
+def test_one_mistake_in_parameters_is_one_fault(parameters: str, column: int) -> None:
+    found = check(
+        f"{HEAD}PROGRAM P\n{DECLARED}\nBEGIN\nGO(P1, I)\nPROGRAM_END\nSR GO\n{parameters}\nBEGIN\nIF NACH = 1 THEN HALT\nSR_END\n"
+    )
+    assert [(each.id, each.position.line, each.position.column) for each in found] == [("syntax", FIRST + 3, column)]
+
+
+def test_a_misspelt_import_is_one_fault() -> None:
+    other = "PROGRAM OTHER\nPUBLIC INTEGER : COUNTER\nBEGIN\nHALT\nPROGRAM_END\n"
+    text = "PROGRAM P\nEXTERNAL OTHER : COUTNER\nBEGIN\nCOUNTER = COUNTER + 1\nPROGRAM_END\n"
+    found = Library(WORDS, MemoryStore({"P.QLL": text, "OTHER.QLL": other})).check("P.QLL", text)[1]
+    assert [(each.id, each.position.line, each.hint) for each in found] == [("import-unknown", 2, "did you mean COUNTER?")]
+
+
+def test_a_misspelt_program_of_two_imports_is_one_fault() -> None:
+    other = "PROGRAM OTHER\nPUBLIC INTEGER : A\nPUBLIC REAL : B\nBEGIN\nHALT\nPROGRAM_END\n"
+    for first, second, line in (("OTEHR", "OTHER", 2), ("OTHER", "OTEHR", 3)):
+        text = f"PROGRAM P\nEXTERNAL {first} : A\nEXTERNAL {second} : B\nBEGIN\nB = A + 1\nPROGRAM_END\n"
+        found = Library(WORDS, MemoryStore({"P.QLL": text, "OTHER.QLL": other})).check("P.QLL", text)[1]
+        assert [(each.id, each.position.line) for each in found] == [("import-missing", line)]
+
+
+def test_a_misspelt_subroutine_is_one_fault() -> None:
+    found = check("PROGRAM P\nBEGIN\nGO(1)\nPROGRAM_END\nSUBRUOTINE GO (VALUE INTEGER : N)\nBEGIN\nWRITE N\nSUB_END\n")
+    assert [(each.id, each.position.line) for each in found] == [("behind-the-end", 5)]
 
 
 def test_the_fault_names_the_word_that_is_like_it() -> None:

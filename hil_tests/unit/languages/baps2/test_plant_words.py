@@ -108,3 +108,11 @@ def test_a_dry_run_refuses_speeds_that_a_cell_refuses(text: str, words: str) -> 
 def test_up_is_a_name_in_an_english_program(text: str) -> None:
     """AX-1747."""
     assert faults_of(f";;KINEMATICS : (1 = ROB)\n;;ROB.WC_NAMES = X, Y\n{text}") == []
+
+
+def test_wert_is_the_name_of_a_parameter() -> None:
+    text = (
+        "PROGRAM P\nSPC_FCT : 1 = IOL (VALUE INTEGER : NO, KIN, CO VALUE REAL : AT, WERT VALUE INTEGER : T)\n"
+        "BEGIN\nGO(3, 4)\nPROGRAM_END\nSR GO (VALUE INTEGER : FEHLER, WERT)\nBEGIN\nWRITE FEHLER, WERT\nSR_END\n"
+    )
+    assert written(run(text)) == ["34"]

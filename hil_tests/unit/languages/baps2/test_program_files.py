@@ -112,6 +112,16 @@ def test_a_file_that_others_include_is_checked_with_them() -> None:
     assert [each.id for each in alone] == ["no-program"]
 
 
+def test_included_subroutines_are_checked_with_the_program() -> None:
+    files = {
+        "P.QLL": "PROGRAM P\nOUTPUT : 1 = LAMP\nBEGIN\nBLINK\nPROGRAM_END\n;;INCLUDE SUBS\n",
+        "SUBS.QLL": "SR BLINK\nBEGIN\nLAMP = 1\nSR_END\n",
+    }
+    assert Library(WORDS, MemoryStore(files)).check("SUBS.QLL", files["SUBS.QLL"])[1].rows() == []
+    alone = Library(WORDS, MemoryStore({})).check("SUBS.QLL", files["SUBS.QLL"])[1]
+    assert [each.id for each in alone] == ["name-unknown"]
+
+
 def test_a_program_that_includes_itself_is_one_fault() -> None:
     text = "PROGRAM P\n;;INCLUDE P\nBEGIN\nPROGRAM_END\n"
     _, faults = Library(WORDS, MemoryStore({"P.QLL": text})).check("some/folder/P.QLL", text)
