@@ -97,6 +97,7 @@ def test_what_could_not_be_written_is_tried_again(cell: EepromCell, monkeypatch:
     assert cell.programs.write_back() == []
     assert (cell.folder / "N.DAT").read_bytes() == b"of the program"
     assert (cell.folder / "M.DAT").read_bytes() == b"of the operator", "what came into its place meanwhile stays"
+    assert cell.port is not None
     assert [words for words in cell.port.words if "N.DAT" in words] == [
         f"{cell.folder / 'N.DAT'} line 0: is written now, nothing in it is lost"
     ]
