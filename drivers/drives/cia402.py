@@ -9,11 +9,11 @@ from enum import Enum, IntEnum, auto
 from typing import NamedTuple
 
 from drivers.drives.cia402_states import Command, State, next_command, state_of
+from drivers.drives.demand_edges import DemandEdges
 from drivers.drives.family import Actual, Demand, Event, Homing, Latched, Power
 from drivers.drives.held import HeldPosition
 
 LOST_AFTER = 2  # actual values missing in a row
-RESET_CYCLES = 5  # cycles bit 7 is set for one edge of the demand: one lost telegram does not hide it
 STILL_CYCLES, STILL_INC = 10, 2  # standstill: at most so many increments of motion over so many cycles
 PIPELINE = 4  # cycles from a controlword bit to a statusword that knows of it: burst, SYNC, TPDO, and one to spare (AX-304)
 
@@ -111,6 +111,41 @@ AT_HOMING = (Phase.TO_HOMING, Phase.START, Phase.HOMING, Phase.AT_HOME, Phase.GI
 ENABLED_PHASES = (Phase.ENABLED, *AT_HOMING)
 
 
+class ReferenceRun:
+    """A reference run of the drive: its demand, its outcome, and the mode of operation it needs."""
+
+    __slots__ = ("asked", "attained", "cycles", "demand_before", "mode", "outcome")
+
+    def __init__(self) -> None:
+        self.demand_before = True  # a demand present at the start is not a command
+        self.asked = False
+        self.cycles = 0  # of the run, over all its phases
+        self.outcome = Homing.NONE
+        self.attained = False  # how the run that ends in TO_CSP went
+        self.mode = Mode.CSP  # wanted
+
+    def note(self, *, demand: bool) -> None:
+        """Once a cycle."""
+        self.asked = demand and (self.asked or not self.demand_before)
+        self.demand_before = demand
+        if not demand and self.outcome is not Homing.RUNNING:
+            self.outcome = Homing.NONE
+
+    def begin(self) -> None:
+        """Homing mode is wanted."""
+        self.asked, self.outcome, self.mode, self.cycles = False, Homing.RUNNING, Mode.HM, 0
+
+    def leave(self, *, attained: bool) -> None:
+        """CSP is wanted again; the outcome is reported once the drive shows it."""
+        self.attained, self.mode = attained, Mode.CSP
+
+    def end(self, *, done: bool) -> None:
+        """The run is over, or there was none."""
+        self.mode = Mode.CSP
+        if self.outcome is Homing.RUNNING:
+            self.outcome = Homing.DONE if done else Homing.FAILED
+
+
 class Cia402Drive:
     """One drive.  A new object starts without a status, and a demand already present then is not a command (design 1)."""
 
@@ -118,21 +153,14 @@ class Cia402Drive:
         self._settings = settings or Cia402Settings()
         self._phase = Phase.LOST
         self._cycles = 0  # in the present phase
-        self._home_cycles = 0  # of the reference run, over all its phases
-        self._on_before = self._reset_before = self._home_before = True
-        self._asked = self._home_asked = False
-        self._reset_left = 0
+        self._edges, self._run = DemandEdges(), ReferenceRun()
         self._held = HeldPosition(self._settings.jump_inc, self._settings.step_inc)
         self._state: State | None = None
-        self._still = 0
-        self._homing = Homing.NONE
-        self._homed = False  # how the run that ends in TO_CSP went
-        self._mode = Mode.CSP  # wanted
+        self._still = 0  # cycles at standstill
         self._disable = False  # quick stop ends: the axis is at standstill, or does not reach it
         self.position_inc = 0
-        self.torque_permille = 0
+        self._last = Cia402Actual()
         self.fault_code = 0
-        self.warning = False
         self.missing = 0
         self.epoch = 0
         self.events: list[Event] = []
@@ -155,7 +183,7 @@ class Cia402Drive:
     @property
     def homing(self) -> Homing:
         """Outcome of the last reference run, until its demand ends."""
-        return self._homing
+        return self._run.outcome
 
     @property
     def configured(self) -> bool:
@@ -167,6 +195,16 @@ class Cia402Drive:
         """Last 607Ah."""
         return self._held.inc
 
+    @property
+    def torque_permille(self) -> int:
+        """Last actual torque."""
+        return self._last.torque_permille
+
+    @property
+    def warning(self) -> bool:
+        """Bit 7 of the last statusword."""
+        return bool(self._last.statusword & Bit.WARNING)
+
     def idle(self) -> Cia402Set:
         """Before the first SYNC."""
         return Cia402Set()
@@ -174,42 +212,29 @@ class Cia402Drive:
     def step(self, actual: Actual | None, demand: Demand) -> Cia402Set:
         """actual: of this SYNC, None when none came.  The set value for the next SYNC."""
         self.events = []
-        self._note_edges(demand)
-        self._home_cycles += self._phase in AT_HOMING
+        self._edges.note(demand, fault=self._phase is Phase.FAULT, lost=self._phase is Phase.LOST)
+        self._run.note(demand=demand.home)
+        self._run.cycles += self._phase in AT_HOMING
         if isinstance(actual, Cia402Actual):
             self._hear(actual)
             self._judge(actual, demand)
         else:
             self._miss()
         self._place(demand)
-        return Cia402Set(self._controlword(), self._held.inc, self._mode)
+        return Cia402Set(self._controlword(), self._held.inc, self._run.mode)
 
     # ---- inputs ------------------------------------------------------------------------------------------------------
-    def _note_edges(self, demand: Demand) -> None:
-        rising = demand.on and not self._on_before
-        self._on_before = demand.on
-        self._asked = demand.on and (self._asked or rising) and self._phase not in (Phase.FAULT, Phase.LOST)
-        self._home_asked = demand.home and (self._home_asked or not self._home_before)
-        self._home_before = demand.home
-        if not demand.home and self._homing is not Homing.RUNNING:
-            self._homing = Homing.NONE
-        if demand.reset and not self._reset_before and self._phase is Phase.FAULT:
-            self._reset_left = RESET_CYCLES + 1
-        self._reset_before = demand.reset
-        self._reset_left = max(self._reset_left - 1, 0)
-
     def _miss(self) -> None:
         self.missing += 1
         if self.missing >= LOST_AFTER and self._phase is not Phase.LOST:
             self.epoch += 1
-            self._end_homing(done=False)
+            self._run.end(done=False)
             self._go(Phase.LOST, Event.LOST)
 
     def _hear(self, actual: Cia402Actual) -> None:
         self.missing = 0
         self._still = self._still + 1 if abs(actual.position_inc - self.position_inc) <= STILL_INC else 0
-        self.position_inc, self.torque_permille = actual.position_inc, actual.torque_permille
-        self.warning = bool(actual.statusword & Bit.WARNING)
+        self._last, self.position_inc = actual, actual.position_inc
         self._state = state_of(actual.statusword)
 
     def _judge(self, actual: Cia402Actual, demand: Demand) -> None:
@@ -220,15 +245,15 @@ class Cia402Drive:
         if self._phase is Phase.LOST:  # a drive that is on was never commanded on, or no longer is
             self._go(Phase.STOPPING if self._state in (State.ENABLED, State.QUICK_STOP) else Phase.OFF, Event.RETURNED)
         if faulty and self._phase is not Phase.FAULT:
-            self._end_homing(done=False)
+            self._run.end(done=False)
             self._go(Phase.FAULT, Event.FAULT)
         elif self._phase is Phase.FAULT:
             if not faulty:
-                self._reset_left = 0
+                self._edges.reset_left = 0
                 self._go(Phase.OFF, Event.FAULT_CLEARED)
         elif self._phase is Phase.OFF:
-            if self._asked:
-                self._asked = False
+            if self._edges.asked:
+                self._edges.asked = False
                 self._go(Phase.SWITCHING_ON)
         elif self._phase is Phase.STOPPING:
             self._stop()
@@ -238,7 +263,7 @@ class Cia402Drive:
     def _control(self, actual: Cia402Actual, demand: Demand) -> None:
         """On the way on, or on."""
         if not demand.on:
-            self._end_homing(done=False)
+            self._run.end(done=False)
             self._go(Phase.STOPPING)
         elif self._phase is Phase.SWITCHING_ON:
             if self._state is State.ENABLED and actual.mode == Mode.CSP:
@@ -246,12 +271,11 @@ class Cia402Drive:
             elif self._cycles >= self._settings.timeout_cycles or (self._holds and self._held.strayed(self.position_inc)):
                 self._go(Phase.STOPPING, Event.TIMEOUT)
         elif self._state is not State.ENABLED:
-            self._end_homing(done=False)
+            self._run.end(done=False)
             self._go(Phase.STOPPING, Event.DROPPED)
         elif self._phase is Phase.ENABLED:
-            if self._home_asked:
-                self._home_asked, self._homing, self._mode = False, Homing.RUNNING, Mode.HM
-                self._home_cycles = 0
+            if self._run.asked:
+                self._run.begin()
                 self._go(Phase.TO_HOMING)
         else:
             self._home(actual, demand)
@@ -271,7 +295,7 @@ class Cia402Drive:
     def _home(self, actual: Cia402Actual, demand: Demand) -> None:
         """Source: IEC 61800-7-201, homing: bits 13, 12, 10 of the statusword; AX-304."""
         status, settings = actual.statusword, self._settings
-        given_up = not demand.home or self._home_cycles >= settings.homing_cycles
+        given_up = not demand.home or self._run.cycles >= settings.homing_cycles
         if self._phase is Phase.TO_HOMING:
             if actual.mode == Mode.HM:
                 self._go(Phase.START)
@@ -298,24 +322,19 @@ class Cia402Drive:
                 self._back(homed=False)
         elif actual.mode == Mode.CSP:
             self._go(Phase.ENABLED)
-            self._end_homing(done=self._homed)
+            self._run.end(done=self._run.attained)
         elif self._cycles >= self._settings.mode_cycles:
-            self._end_homing(done=False)
+            self._run.end(done=False)
             self._go(Phase.STOPPING, Event.TIMEOUT)
 
     def _back(self, *, homed: bool) -> None:
-        self._homed, self._mode = homed, Mode.CSP
+        self._run.leave(attained=homed)
         self._go(Phase.TO_CSP)
-
-    def _end_homing(self, *, done: bool) -> None:
-        self._mode = Mode.CSP
-        if self._homing is Homing.RUNNING:
-            self._homing = Homing.DONE if done else Homing.FAILED
 
     # ---- outputs -----------------------------------------------------------------------------------------------------
     def _go(self, phase: Phase, event: Event | None = None) -> None:
         if phase in (Phase.FAULT, Phase.LOST):
-            self._asked = False
+            self._edges.asked = False
         self._phase, self._cycles, self._disable = phase, 0, False
         if event is not None:
             self.events.append(event)
@@ -347,6 +366,6 @@ class Cia402Drive:
             return Command.QUICK_STOP.value  # if it still receives, it brakes
         if self._phase is Phase.STOPPING and self._state in (State.ENABLED, State.QUICK_STOP) and not self._disable:
             return Command.QUICK_STOP.value
-        if self._phase is Phase.FAULT and self._reset_left:
+        if self._phase is Phase.FAULT and self._edges.reset_left:
             return Command.RESET.value
         return Command.DISABLE_VOLTAGE.value

@@ -95,12 +95,14 @@ class CyclicDrive(Protocol):
     """One drive in the cycle; `step` once per SYNC, after the actual values of that SYNC.  Never raises on a message of the drive."""
 
     position_inc: int  # last actual
-    torque_permille: int
     fault_code: int
-    warning: bool
     epoch: int  # +1 whenever increments may have lost their meaning (AX-110)
     events: list[Event]  # of the last step
 
+    @property
+    def torque_permille(self) -> int: ...  # last actual
+    @property
+    def warning(self) -> bool: ...
     @property
     def set_inc(self) -> int: ...  # last sent
     @property

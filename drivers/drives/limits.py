@@ -13,15 +13,9 @@ def fits_int32(inc: int) -> bool:
     return INT32_MIN <= inc <= INT32_MAX
 
 
-def saturated_rpm(speed_rpm: float) -> tuple[int, bool]:
-    """Nearest int16, symmetric, and whether the value was limited; NaN counts as 0 and limited."""
-    if -INT16_MAX <= speed_rpm <= INT16_MAX:
-        return round(speed_rpm), False
-    if not math.isfinite(speed_rpm):
-        return 0, True
-    nearest = round(speed_rpm)
-    inside = min(max(nearest, -INT16_MAX), INT16_MAX)
-    return inside, inside != nearest
+def saturated_rpm(speed_rpm: float) -> int:
+    """Nearest int16, symmetric; 0 for NaN and infinity."""
+    return min(max(round(speed_rpm), -INT16_MAX), INT16_MAX) if math.isfinite(speed_rpm) else 0
 
 
 class LagState(Enum):

@@ -7,15 +7,16 @@ Drive.step.  It never raises on a message of the drive.
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from drivers.drives.demand_edges import DemandEdges
 from drivers.drives.family import Actual, Demand, Event, Homing, Power
-from drivers.drives.limits import INT16_MAX, INT32_MAX, INT32_MIN, fits_int32, saturated_rpm
+from drivers.drives.held import HeldPosition
+from drivers.drives.limits import INT16_MAX, INT32_MAX, INT32_MIN, saturated_rpm
 from protocols.servodyn.codec import ActualValue, SetValue
 
 __all__ = ["LOST_AFTER", "Demand", "Drive", "DriveSettings", "Event", "Phase", "Power"]
 
 LOST_AFTER = 2  # actual values missing in a row
 _new = tuple.__new__  # of a record without counting its fields again: once an axis and cycle
-RESET_CYCLES = 5  # cycles the reset bit is set for one edge of the demand: one lost telegram does not hide it
 
 
 class Phase(Enum):
@@ -77,39 +78,42 @@ class Drive:
     """One drive.  A new object starts off, and a demand already present then is not a command (design 1)."""
 
     __slots__ = (
-        "_asked", "_cycles", "_following", "_life", "_on_before", "_phase", "_refused", "_reset_before", "_reset_left", "_row", "_settings",
-        "configured", "epoch", "events", "fault_code", "follows", "missing", "position_inc", "power", "saturated", "set_inc",
-        "torque_permille", "warning",
+        "_cycles", "_edges", "_held", "_life", "_phase", "_row", "_settings", "epoch", "events", "fault_code", "follows", "missing",
+        "position_inc", "torque_permille", "warning",
     )  # fmt: skip
+    configured = True  # a booster keeps its parameters
 
     def __init__(self, settings: DriveSettings | None = None) -> None:
         self._settings = settings or DriveSettings()
         self._phase = Phase.OFF
-        self._row = ROWS[Phase.OFF]  # of the present phase; kept, as the next two: they are read many times a cycle
-        self.power = Power.OFF  # seen from outside
-        self.follows = False  # takes the demanded position
+        self._row = ROWS[Phase.OFF]  # of the present phase
+        self.follows = False  # takes the demanded position; kept: it is read many times a cycle
         self._cycles = 0  # in the present phase
-        self._on_before = self._reset_before = True
-        self._asked = False  # an edge of `on` that waits for OFF
-        self._reset_left = 0
-        self._following = True  # no demanded position accepted yet since control began
-        self._refused = False
+        self._edges = DemandEdges()
+        self._held = HeldPosition(self._settings.jump_inc, self._settings.step_inc)
         self._life = 0
         self.position_inc = 0  # last actual
-        self.set_inc = 0  # last sent
         self.torque_permille = 0
         self.fault_code = 0
         self.warning = False
         self.missing = 0  # actual values missing in a row
         self.epoch = 0  # +1 whenever increments may have lost their meaning: references of another epoch are void (AX-110)
-        self.saturated = 0  # speeds cut to int16, counted
         self.events: list[Event] = []  # of the last step
-        self.configured = True  # a booster keeps its parameters
 
     @property
     def phase(self) -> Phase:
         """Exactly."""
         return self._phase
+
+    @property
+    def power(self) -> Power:
+        """Seen from outside."""
+        return self._row.power
+
+    @property
+    def set_inc(self) -> int:
+        """Last position sent."""
+        return self._held.inc
 
     @property
     def homing(self) -> Homing:
@@ -126,10 +130,11 @@ class Drive:
         Its position is the actual one until control is reported, then held, then the demanded one if it may be sent.
         """
         on, reset, wanted_inc, wanted_rpm, limit_switch, _ = demand
+        edges, held = self._edges, self._held
         if self.events:
             self.events = []
-        if self._asked or self._reset_left or on is not self._on_before or reset is not self._reset_before:
-            self._note_edges(demand)  # nothing to note otherwise
+        if edges.asked or edges.reset_left or on is not edges.on_before or reset is not edges.reset_before:  # nothing to note otherwise
+            edges.note(demand, fault=self._phase is Phase.FAULT, lost=self._phase is Phase.LOST)
         if not isinstance(actual, ActualValue):
             self._miss()
         elif self.follows and on and actual.enabled and not actual.fault:  # nothing to judge, nothing to wait for
@@ -137,40 +142,24 @@ class Drive:
             self.fault_code, self.warning = actual.fault_code, actual.warning
         else:
             self._judge(actual, demand)
-        speed, self._life = 0, self._life + 1 & 0xFF
+        row, speed, self._life = self._row, 0, self._life + 1 & 0xFF
         if self.follows:
-            step = self._settings.step_inc
-            if not self._following and -step <= wanted_inc - self.set_inc <= step and INT32_MIN <= wanted_inc <= INT32_MAX:
-                self.set_inc, self._refused = wanted_inc, False  # as _take, which is for what is left
-            else:
-                self._take(wanted_inc)
-            if not self._refused:
-                if -INT16_MAX <= wanted_rpm <= INT16_MAX:
-                    speed = round(wanted_rpm)
-                else:
-                    speed, cut = saturated_rpm(wanted_rpm)
-                    self.saturated += cut
+            if not held.fresh and -held.step <= wanted_inc - held.inc <= held.step and INT32_MIN <= wanted_inc <= INT32_MAX:
+                held.inc, held.refused = wanted_inc, False  # as `take`, which is for what is left
+            elif (refused := held.take(wanted_inc)) is not None:
+                self.events.append(refused)
+            if not held.refused:
+                speed = round(wanted_rpm) if -INT16_MAX <= wanted_rpm <= INT16_MAX else saturated_rpm(wanted_rpm)
         elif self._phase is not Phase.RELEASING:
-            self._following = True
-            self.set_inc = self.position_inc
-        row = self._row
+            held.follow(self.position_inc)
         enable = row.enable
-        return _new(SetValue, (enable, row.drive_on, limit_switch, self._reset_left > 0, enable, self._life, self.set_inc, speed))
-
-    def _note_edges(self, demand: Demand) -> None:
-        rising = demand.on and not self._on_before
-        self._on_before = demand.on
-        self._asked = demand.on and (self._asked or rising) and self._phase not in (Phase.FAULT, Phase.LOST)
-        if demand.reset and not self._reset_before and self._phase is Phase.FAULT:
-            self._reset_left = RESET_CYCLES + 1
-        self._reset_before = demand.reset
-        self._reset_left = max(self._reset_left - 1, 0)
+        return _new(SetValue, (enable, row.drive_on, limit_switch, edges.reset_left > 0, enable, self._life, held.inc, speed))
 
     def _miss(self) -> None:
         self.missing += 1
         if self.missing >= LOST_AFTER and self._phase is not Phase.LOST:
             self.epoch += 1
-            self._asked = False
+            self._edges.asked = False
             self._go(Phase.LOST, Event.LOST)
 
     def _judge(self, actual: ActualValue, demand: Demand) -> None:
@@ -178,16 +167,17 @@ class Drive:
         self.missing = 0
         self.position_inc, self.torque_permille = actual.position_inc, actual.torque_permille
         self.fault_code, self.warning = actual.fault_code, actual.warning
+        edges = self._edges
         if self._phase is Phase.LOST:
             self._go(Phase.OFF, Event.RETURNED)
         if actual.fault and self._phase is not Phase.FAULT:
-            self._asked = False
+            edges.asked = False
             self._go(Phase.FAULT, Event.FAULT)
         elif self._phase is Phase.FAULT and not actual.fault:
-            self._reset_left = 0
+            edges.reset_left = 0
             self._go(Phase.OFF, Event.FAULT_CLEARED)
-        elif self._phase is Phase.OFF and self._asked:
-            self._asked = False
+        elif self._phase is Phase.OFF and edges.asked:
+            edges.asked = False
             self._go(Phase.POWERING)
         else:
             self._follow(actual, demand)
@@ -207,24 +197,9 @@ class Drive:
                 self._go(row.on_off or row.then, Event.TIMEOUT)
 
     def _go(self, phase: Phase, event: Event | None = None) -> None:
-        self._phase, self._cycles, self._refused = phase, 0, False
-        self._row = ROWS[phase]
-        self.power, self.follows = self._row.power, phase is Phase.ENABLED
+        self._phase, self._row, self._cycles = phase, ROWS[phase], 0
+        self.follows, self._held.refused = phase is Phase.ENABLED, False
         if event is not None:
             self.events.append(event)
         if phase in ON_REACHING:
             self.events.append(ON_REACHING[phase])
-
-    def _take(self, inc: int) -> None:
-        """The demanded set position, if it may be sent."""
-        window = self._settings.jump_inc if self._following else self._settings.step_inc
-        if -window <= inc - self.set_inc <= window and INT32_MIN <= inc <= INT32_MAX:
-            self.set_inc, self._following, self._refused = inc, False, False
-        else:
-            self._refuse(Event.JUMP if fits_int32(inc) else Event.RANGE)
-
-    def _refuse(self, why: Event) -> None:
-        """The last position stays; reported once until a good one comes."""
-        if not self._refused:
-            self.events.append(why)
-        self._refused = True

@@ -35,6 +35,10 @@ class Renamed:
 
 def moved() -> tuple[Moved, ...]:
     """All rows of parts."""
+    from drivers.drives.cia402 import Cia402Drive, ReferenceRun
+    from drivers.drives.demand_edges import DemandEdges
+    from drivers.drives.held import HeldPosition
+    from drivers.drives.servodyn import Drive
     from gateway.pure.cycle.alter import CoreAlter, Correction
     from gateway.pure.cycle.belt_encoders import BeltEncoders
     from gateway.pure.cycle.belt_parts import BeltRide, BeltRobots, BeltWay
@@ -56,12 +60,20 @@ def moved() -> tuple[Moved, ...]:
     kept = {"_kept": "_kept", "_stood": "_kept", "_restored": "_restored", "_told": "_restored", "_zeros": "_zeros"}
     spoken = {"counts": "counts", "heard": "heard", "_encoders": "_present", "_silent": "silent"}
     ride = {"_bearing": "bearing", "_carried": "carried", "_rig": "rig", "_waited": "waited", "_reference": "reference"}
+    edges = {"_asked": "asked", "_on_before": "on_before", "_reset_before": "reset_before", "_reset_left": "reset_left"}
+    sent = {"_following": "fresh", "_refused": "refused", "set_inc": "inc"}
+    asked = {"_home_before": "demand_before", "_home_asked": "asked", "_home_cycles": "cycles"}
+    run = {**asked, "_homing": "outcome", "_homed": "attained", "_mode": "mode"}
     place = {"_index": "index", "_interval": "interval", "_held": "held"}
     return (
         Moved(id_of(CycleLogic), id_of(Lane), "lanes", own, listed=True),
         Moved(id_of(CycleLogic), id_of(Permissions), "_permissions", inputs),
         Moved(id_of(CycleLogic), id_of(ServicesWatch), "_services", {"_finish": "finish", "_services_alive": "alive"}),
         Moved(id_of(CycleLogic), id_of(DriveWatch), "_drives", drives),
+        Moved(id_of(Drive), id_of(DemandEdges), "_edges", edges),
+        Moved(id_of(Drive), id_of(HeldPosition), "_held", sent),
+        Moved(id_of(Cia402Drive), id_of(DemandEdges), "_edges", edges),
+        Moved(id_of(Cia402Drive), id_of(ReferenceRun), "_run", run),
         Moved(id_of(CoreAlter), id_of(Correction), "_source", {"_alive": "fresh", "_answer": "answer"}),
         Moved(id_of(CoreBelts), id_of(BeltEncoders), "encoders", {**spoken, **kept}),
         Moved(id_of(CoreBelts), id_of(BeltRobots), "_robot", {"_robots": "numbered", "_limits": "limits", "_kinematics": "now"}),
@@ -77,6 +89,9 @@ def moved() -> tuple[Moved, ...]:
 
 def renamings() -> tuple[Renamed, ...]:
     """All rows of names."""
+    from drivers.drives.cia402 import Cia402Drive
+    from drivers.drives.held import HeldPosition
+    from drivers.drives.servodyn import Drive
     from drivers.drives.tracking import Tracking
     from gateway.pure.controllers.rho3.can.family import RhoFamily
     from gateway.pure.cycle.alter import CoreAlter
@@ -88,6 +103,9 @@ def renamings() -> tuple[Renamed, ...]:
 
     movers = (Mover, BeltMover, AlterMover, AlterBeltMover)
     return (
+        Renamed(id_of(Drive), {"power": GONE, "saturated": GONE, "configured": GONE}),
+        Renamed(id_of(Cia402Drive), {"torque_permille": GONE, "warning": GONE}),
+        Renamed(id_of(HeldPosition), {"_fresh": "fresh", "_refused": "refused", "_jump": "jump", "_step": "step"}),
         Renamed(id_of(Tracking), {"_standing": "_standstill"}),
         Renamed(id_of(RhoFamily), {"_told": "_reported"}),
         Renamed(id_of(CoreBelts), {"_arm": GONE}),

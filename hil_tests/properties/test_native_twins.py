@@ -16,7 +16,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivers.drives.demand_edges import DemandEdges
 from drivers.drives.family import Actual, Event, Power, SetRecord
+from drivers.drives.held import HeldPosition
 from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.scaling import Scaling
 from drivers.drives.servodyn import Drive, DriveSettings, Phase
@@ -54,11 +56,13 @@ def twin_of(axis: HeldAxis) -> HeldAxis:
     other = copy.copy(axis)
     other.drive, other.tracking = copy.copy(axis.drive), copy.copy(axis.tracking)
     other.drive.events = list(axis.drive.events)
+    if isinstance(other.drive, Drive):
+        other.drive._edges, other.drive._held = copy.copy(other.drive._edges), copy.copy(other.drive._held)
     other.tracking.lag = copy.copy(axis.tracking.lag)
     return other
 
 
-FIXED = ("plan", "drive", "tracking", "scaling", "lag", "_settings", "_row", "_warn", "_trip", "_standstill", "_settle")
+FIXED = ("plan", "drive", "tracking", "scaling", "lag", "_settings", "_edges", "_held", "_warn", "_trip", "_standstill", "_settle")
 
 
 def told(thing: object) -> list[str]:
@@ -68,17 +72,20 @@ def told(thing: object) -> list[str]:
 
 
 def whole(axis: HeldAxis) -> list[list[str]]:
-    return [told(axis), told(axis.drive), told(axis.tracking), told(axis.tracking.lag)]
+    drive = cast(Drive, axis.drive)
+    return [told(part) for part in (axis, drive, drive._edges, drive._held, axis.tracking, axis.tracking.lag)]
 
 
-AXIS, DRIVE, TRACKING, LAG = (
-    attrgetter(*(name for name in kind.__dict__["__slots__"] if name not in FIXED)) for kind in (HeldAxis, Drive, Tracking, LagMonitor)
+AXIS, DRIVE, EDGES, HELD, TRACKING, LAG = (
+    attrgetter(*(name for name in kind.__dict__["__slots__"] if name not in FIXED))
+    for kind in (HeldAxis, Drive, DemandEdges, HeldPosition, Tracking, LagMonitor)
 )
 
 
 def quick_look(axis: HeldAxis) -> list[object]:
     """The same for many cycles: no number tells 1 from 1.0 or True here."""
-    return [AXIS(axis), DRIVE(axis.drive), TRACKING(axis.tracking), LAG(axis.tracking.lag)]
+    drive = cast(Drive, axis.drive)
+    return [AXIS(axis), DRIVE(drive), EDGES(drive._edges), HELD(drive._held), TRACKING(axis.tracking), LAG(axis.tracking.lag)]
 
 
 class SideBySide:
@@ -167,10 +174,11 @@ def held_axes(draw: st.DrawFn) -> HeldAxis:
     drive = Drive(settings_)
     drive._go(draw(st.sampled_from([Phase.ENABLED, Phase.ENABLED, *Phase])))
     drive.events = draw(st.lists(st.sampled_from(Event), max_size=2))
-    for name in ("_on_before", "_reset_before", "_asked", "_following", "_refused", "warning"):
-        setattr(drive, name, draw(st.booleans()))
-    drive._reset_left, drive._life = draw(st.sampled_from([0, 0, 3])), draw(st.integers(0, 255))
-    drive.position_inc, drive.set_inc = draw(INC), draw(INC)
+    edges, held = drive._edges, drive._held
+    edges.on_before, edges.reset_before, edges.asked = draw(st.booleans()), draw(st.booleans()), draw(st.booleans())
+    held.fresh, held.refused, drive.warning = draw(st.booleans()), draw(st.booleans()), draw(st.booleans())
+    edges.reset_left, drive._life = draw(st.sampled_from([0, 0, 3])), draw(st.integers(0, 255))
+    drive.position_inc, held.inc = draw(INC), draw(INC)
     drive.epoch, drive.missing = draw(st.integers(0, 2)), draw(st.integers(0, 2))
     tracking = Tracking(draw(REALS), draw(REALS), draw(REALS), draw(st.integers(0, 3)))
     tracking._last, tracking._still = draw(st.one_of(st.none(), INC)), draw(st.integers(0, 5))
@@ -221,8 +229,8 @@ def test_an_axis_that_follows_takes_the_short_way_to_the_same_end(
     """What C does itself: a drive on and following, a set value within its step, an axis that stands for one cycle more."""
     drive, loops = Drive(DriveSettings(step_inc=100)), SideBySide(quick)
     drive._go(Phase.ENABLED)
-    drive._following, drive._reset_before, drive._on_before, axis.led, axis.gap = False, False, True, False, False
-    drive._refused, drive.set_inc, drive._life = refused, 1_000, 255
+    drive._held.fresh, drive._edges.reset_before, drive._edges.on_before, axis.led, axis.gap = False, False, True, False, False
+    drive._held.refused, drive._held.inc, drive._life = refused, 1_000, 255
     axis.drive, axis.scaling, axis.wanted, axis.by_drive, axis.active_inc = drive, Scaling(), True, False, 1_000
     axis.tracking = Tracking(1.0, 10.0, 15.0, settle_cycles=2)
     axis.tracking._last, axis.tracking._still = 1_000, still_for

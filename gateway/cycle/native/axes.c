@@ -13,14 +13,14 @@
 #define PLAN(X) X(window)
 #define SCALING(X) X(zero_inc) X(inc_per_unit) X(sent_per_unit) X(rpm_per_unit)
 #define DRIVE(X) \
-    X(_settings) X(_row) X(power) X(follows) X(_on_before) X(_reset_before) X(_asked) X(_reset_left) X(_following) X(_refused) X(_life) \
-    X(position_inc) X(set_inc) X(torque_permille) X(fault_code) X(warning) X(missing) X(epoch) X(events) X(configured)
-#define SETTINGS(X) X(step_inc)
-#define ROW(X) X(drive_on) X(enable)
+    X(_edges) X(_held) X(_life) X(_row) X(follows) X(position_inc) X(torque_permille) X(fault_code) X(warning) X(missing) X(epoch) X(events)
+#define EDGES(X) X(on_before) X(reset_before) X(asked) X(reset_left)
+#define HELD(X) X(inc) X(step) X(fresh) X(refused)
+#define ROW(X) X(power) X(drive_on) X(enable)
 #define TRACKING(X) X(lag) X(_standstill) X(_settle) X(_still) X(_last) X(number)
 #define LAG(X) X(_warn) X(_trip) X(state) X(worst)
 #define SHOWN(X) X(actual) X(set) X(speed) X(lag) X(torque) X(flags) X(fault_code) X(power) X(finding)
-#define BOUND(X) X(AXIS, axis) X(PLAN, plan) X(SCALING, scaling) X(DRIVE, drive) X(SETTINGS, settings) X(ROW, row) \
+#define BOUND(X) X(AXIS, axis) X(PLAN, plan) X(SCALING, scaling) X(DRIVE, drive) X(EDGES, edges) X(HELD, held) X(ROW, row) \
     X(TRACKING, tracking) X(LAG, lag) X(SHOWN, shown)
 
 #define PLACES(LIST, name) static struct { LIST(PLACE) } name##_at; static PyTypeObject *name##_type; \
@@ -48,14 +48,23 @@ static PyObject *word_step, *word_power, *word_follows, *word_epoch, *word_event
 #define OF_DRIVE(drive, name) \
     (Py_TYPE(drive) == drive_type ? Py_XNewRef(SLOT(drive, drive_at.name)) : PyObject_GetAttr(drive, word_##name))
 
-static int drive_truth(PyObject *drive, Py_ssize_t place, PyObject *word)
+/* What a part of a drive holds: its power, its set value; new reference. */
+#define OF_PART(drive, part, slot, word) \
+    (Py_TYPE(drive) == drive_type && SLOT(drive, drive_at._##part) && Py_TYPE(SLOT(drive, drive_at._##part)) == part##_type \
+         ? Py_XNewRef(SLOT(SLOT(drive, drive_at._##part), part##_at.slot)) \
+         : PyObject_GetAttr(drive, word))
+
+static int attribute_truth(PyObject *object, PyObject *word)
 {
-    if (Py_TYPE(drive) == drive_type)
-        return truth(SLOT(drive, place));
-    PyObject *value = PyObject_GetAttr(drive, word);
+    PyObject *value = PyObject_GetAttr(object, word);
     int found = value ? truth(value) : -1;
     Py_XDECREF(value);
     return found;
+}
+
+static int drive_truth(PyObject *drive, Py_ssize_t place, PyObject *word)
+{
+    return Py_TYPE(drive) == drive_type ? truth(SLOT(drive, place)) : attribute_truth(drive, word);
 }
 
 static double drive_real(PyObject *drive, Py_ssize_t place, PyObject *word)
@@ -71,15 +80,17 @@ static double drive_real(PyObject *drive, Py_ssize_t place, PyObject *word)
 /* The set value of a drive that follows and is to go on following; NULL without an exception: its own step decides. */
 static PyObject *follow(PyObject *drive, PyObject *actual, PyObject *reset, PyObject *limit, double inc, double rpm)
 {
-    if (Py_TYPE(actual) != actual_type || SLOT(drive, drive_at.follows) != Py_True || SLOT(drive, drive_at._on_before) != Py_True
-        || SLOT(drive, drive_at._reset_before) != reset || SLOT(drive, drive_at._asked) != Py_False
-        || SLOT(drive, drive_at._reset_left) != zero || SLOT(drive, drive_at._following) != Py_False
+    PyObject *edges = SLOT(drive, drive_at._edges), *held = SLOT(drive, drive_at._held), *row = SLOT(drive, drive_at._row),
+             *events = SLOT(drive, drive_at.events);
+    if (!edges || Py_TYPE(edges) != edges_type || !held || Py_TYPE(held) != held_type || !row || Py_TYPE(row) != row_type || !events
+        || !PyList_CheckExact(events))
+        return NULL;
+    if (Py_TYPE(actual) != actual_type || SLOT(drive, drive_at.follows) != Py_True || SLOT(edges, edges_at.on_before) != Py_True
+        || SLOT(edges, edges_at.reset_before) != reset || SLOT(edges, edges_at.asked) != Py_False
+        || SLOT(edges, edges_at.reset_left) != zero || SLOT(held, held_at.fresh) != Py_False
         || PyTuple_GET_ITEM(actual, ENABLED) != Py_True || PyTuple_GET_ITEM(actual, FAULT) != Py_False)
         return NULL;
-    PyObject *settings = SLOT(drive, drive_at._settings), *row = SLOT(drive, drive_at._row), *events = SLOT(drive, drive_at.events);
-    if (!settings || Py_TYPE(settings) != settings_type || !row || Py_TYPE(row) != row_type || !events || !PyList_CheckExact(events))
-        return NULL;
-    double before = real(SLOT(drive, drive_at.set_inc)), window = real(SLOT(settings, settings_at.step_inc));
+    double before = real(SLOT(held, held_at.inc)), window = real(SLOT(held, held_at.step));
     long life = PyLong_AsLong(SLOT(drive, drive_at._life));
     if (PyErr_Occurred() || !(fabs(inc - before) <= window) || !(inc >= INT32_MIN && inc <= INT32_MAX)
         || !(rpm >= -INT16_LAST && rpm <= INT16_LAST)) {
@@ -107,8 +118,8 @@ static PyObject *follow(PyObject *drive, PyObject *actual, PyObject *reset, PyOb
     put_known(drive, drive_at.fault_code, PyTuple_GET_ITEM(actual, FAULT_CODE));
     put_known(drive, drive_at.warning, PyTuple_GET_ITEM(actual, WARNING));
     put_known(drive, drive_at._life, values[5]);
-    put_known(drive, drive_at.set_inc, values[6]);
-    put_known(drive, drive_at._refused, Py_False);
+    put_known(held, held_at.inc, values[6]);
+    put_known(held, held_at.refused, Py_False);
     return made;
 }
 
@@ -131,7 +142,7 @@ static PyObject *step(PyObject *drive, PyObject *actual, PyObject *axis, PyObjec
 /* How the axis stands after its drive's step: power, settled, eventful, behind; 0, or -1. */
 static int look(PyObject *axis, PyObject *drive, PyObject *scaling, int *settled, int *eventful)
 {
-    PyObject *power = OF_DRIVE(drive, power), *epoch = OF_DRIVE(drive, epoch), *events = OF_DRIVE(drive, events), *number = NULL;
+    PyObject *power = OF_PART(drive, row, power, word_power), *epoch = OF_DRIVE(drive, epoch), *events = OF_DRIVE(drive, events), *number = NULL;
     int follows = drive_truth(drive, drive_at.follows, word_follows), same = -1, some = -1;
     double asked = real(SLOT(axis, axis_at.active_inc)), place = drive_real(drive, drive_at.position_inc, word_position_inc);
     double per_unit = real(SLOT(scaling, scaling_at.inc_per_unit));
@@ -164,7 +175,7 @@ static PyObject *drive_axis(PyObject *axis, PyObject *actual, PyObject *q, PyObj
     int led = truth(SLOT(axis, axis_at.led)), by_drive = truth(SLOT(axis, axis_at.by_drive));
     int follows = drive_truth(drive, drive_at.follows, word_follows), wanted = truth(SLOT(axis, axis_at.wanted));
     int referenced = truth(SLOT(axis, axis_at.referenced)), limited = truth(SLOT(axis, axis_at.limited));
-    PyObject *last = OF_DRIVE(drive, set_inc);
+    PyObject *last = OF_PART(drive, held, inc, word_set_inc);
     if (!last || led < 0 || by_drive < 0 || follows < 0 || wanted < 0 || referenced < 0 || limited < 0) {
         Py_XDECREF(last);
         return NULL;
@@ -313,7 +324,7 @@ static long show_axis(PyObject *out, PyObject *axis, int at_rest, double period)
     double place = drive_real(drive, drive_at.position_inc, word_position_inc), from = real(SLOT(scaling, scaling_at.zero_inc));
     double actual = (place - from) / real(SLOT(scaling, scaling_at.inc_per_unit)), set = real(SLOT(axis, axis_at.set));
     double torque = drive_real(drive, drive_at.torque_permille, word_torque_permille) / 1000.0, window = real(SLOT(plan, plan_at.window));
-    int configured = drive_truth(drive, drive_at.configured, word_configured), referenced = truth(SLOT(axis, axis_at.referenced));
+    int configured = attribute_truth(drive, word_configured), referenced = truth(SLOT(axis, axis_at.referenced));
     int wanted = truth(SLOT(axis, axis_at.wanted)), by_drive = truth(SLOT(axis, axis_at.by_drive));
     long quiet = PyLong_AsLong(SLOT(axis, axis_at.quiet)), flags = 0;
     PyObject *code = OF_DRIVE(drive, fault_code);
@@ -377,25 +388,25 @@ static int member(PyObject *kind, const char *name, PyObject **kept)
         return NULL; \
     name##_type = (PyTypeObject *)Py_NewRef(args[n++]);
 
-/* bind(HeldAxis, CoreAxis, Scaling, Drive, DriveSettings, Row, Tracking, LagMonitor, AxisState, SetValue, ActualValue, Demand, Power,
- * LagState, FLAGS): once, before anything else; TypeError when one of them is not built as this module knows it. */
+/* bind(HeldAxis, CoreAxis, Scaling, Drive, DemandEdges, HeldPosition, Row, Tracking, LagMonitor, AxisState, SetValue, ActualValue,
+ * Demand, Power, LagState, FLAGS): once, before anything else; TypeError when one of them is not built as this module knows it. */
 static PyObject *bind(PyObject *self, PyObject *const *args, Py_ssize_t count)
 {
     int n = 0;
-    if (count != 15)
-        return PyErr_Format(PyExc_TypeError, "15 classes and tables expected, %zd given", count);
+    if (count != 16)
+        return PyErr_Format(PyExc_TypeError, "16 classes and tables expected, %zd given", count);
     BOUND(BIND)
-    if (check_fields(args[9], set_fields) < 0 || check_fields(args[10], actual_fields) < 0 || check_fields(args[11], demand_fields) < 0)
+    if (check_fields(args[10], set_fields) < 0 || check_fields(args[11], actual_fields) < 0 || check_fields(args[12], demand_fields) < 0)
         return NULL;
-    set_type = (PyTypeObject *)Py_NewRef(args[9]);
-    actual_type = (PyTypeObject *)Py_NewRef(args[10]);
-    demand_type = (PyTypeObject *)Py_NewRef(args[11]);
-    if (member(args[12], "ENABLED", &power_enabled) < 0 || member(args[12], "FAULT", &power_fault) < 0
-        || member(args[12], "LOST", &power_lost) < 0 || member(args[13], "OK", &lag_ok) < 0 || member(args[13], "WARNING", &lag_warning) < 0)
+    set_type = (PyTypeObject *)Py_NewRef(args[10]);
+    actual_type = (PyTypeObject *)Py_NewRef(args[11]);
+    demand_type = (PyTypeObject *)Py_NewRef(args[12]);
+    if (member(args[13], "ENABLED", &power_enabled) < 0 || member(args[13], "FAULT", &power_fault) < 0
+        || member(args[13], "LOST", &power_lost) < 0 || member(args[14], "OK", &lag_ok) < 0 || member(args[14], "WARNING", &lag_warning) < 0)
         return NULL;
-    if (!PyTuple_CheckExact(args[14]) || PyTuple_GET_SIZE(args[14]) != 2 * IS_UNCONFIGURED)
+    if (!PyTuple_CheckExact(args[15]) || PyTuple_GET_SIZE(args[15]) != 2 * IS_UNCONFIGURED)
         return PyErr_Format(PyExc_TypeError, "a table of %d flags expected", 2 * IS_UNCONFIGURED);
-    Py_XSETREF(flag_table, Py_NewRef(args[14]));
+    Py_XSETREF(flag_table, Py_NewRef(args[15]));
     Py_RETURN_NONE;
 }
 

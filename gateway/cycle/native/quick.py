@@ -5,10 +5,12 @@ from functools import partial
 from types import ModuleType
 from typing import cast
 
+from drivers.drives.demand_edges import DemandEdges
 from drivers.drives.family import Actual, BusFamily, Demand, Power, SetRecord
+from drivers.drives.held import HeldPosition
 from drivers.drives.limits import LagMonitor, LagState
 from drivers.drives.scaling import Scaling
-from drivers.drives.servodyn import Drive, DriveSettings, Row
+from drivers.drives.servodyn import Drive, Row
 from drivers.drives.servodyn_family import ServodynFamily
 from drivers.drives.tracking import Tracking
 from gateway.cycle.native.built import load, wanted
@@ -126,8 +128,8 @@ class NativeParts:
     @staticmethod
     def _bound(axes: ModuleType) -> AxisLoops:
         axes.bind(
-            HeldAxis, CoreAxis, Scaling, Drive, DriveSettings, Row, Tracking, LagMonitor, AxisState,
-            SetValue, ActualValue, Demand, Power, LagState, FLAGS,
+            HeldAxis, CoreAxis, Scaling, Drive, DemandEdges, HeldPosition, Row, Tracking, LagMonitor,
+            AxisState, SetValue, ActualValue, Demand, Power, LagState, FLAGS,
         )  # fmt: skip
         return cast(AxisLoops, axes)
 

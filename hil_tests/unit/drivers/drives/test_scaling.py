@@ -50,11 +50,11 @@ def test_numbers_no_axis_can_have_are_refused() -> None:
 
 
 def test_speed_feed_forward_is_cut_to_int16_and_says_so() -> None:
-    assert saturated_rpm(32767.0) == (32767, False)
-    assert saturated_rpm(-32767.4) == (-32767, False)
-    assert saturated_rpm(40000.0) == (32767, True)
-    assert saturated_rpm(-1e9) == (-32767, True)
-    assert saturated_rpm(math.nan) == (0, True)
+    assert saturated_rpm(32767.0) == 32767
+    assert saturated_rpm(-32767.4) == -32767
+    assert saturated_rpm(40000.0) == 32767
+    assert saturated_rpm(-1e9) == -32767
+    assert saturated_rpm(math.nan) == 0
 
 
 def test_lag_warns_with_hysteresis_and_a_trip_stays_until_cleared() -> None:

@@ -7,6 +7,7 @@ import pathlib
 
 import pytest
 
+from drivers.drives.servodyn import Drive
 from drivers.drives.tracking import Tracking
 from gateway.commands.replay import main as replay
 from gateway.pure.cycle.alter import CoreAlter, Correction
@@ -15,7 +16,7 @@ from gateway.pure.cycle.core import CycleLogic
 from gateway.pure.cycle.lane import Lane
 from gateway.recording import kinds
 from gateway.recording.kinds import id_of, location_of
-from gateway.recording.renamed import moved, renamed, renamings
+from gateway.recording.renamed import GONE, moved, renamed, renamings
 from motion.execution.stepper import Stepper
 from motion.timing.foresight import Foresight, Horizon
 
@@ -70,6 +71,16 @@ def test_attributes_with_another_name_are_carried_over_wherever_their_object_is(
     assert tree[0]["has"]["axis"]["has"] == {"_standstill": 7, "lag": 0.5}
 
 
+def test_a_drive_recorded_with_all_in_one_has_its_demand_and_its_position_in_parts() -> None:
+    has = {"_asked": True, "_reset_left": 3, "_phase": 5, "_following": False, "set_inc": 700, "power": 2, "configured": True}
+    tree = renamed({"object": id_of(Drive), "has": has, "number": 0})["has"]
+    assert {name: part["has"] if isinstance(part, dict) else part for name, part in tree.items()} == {
+        "_edges": {"asked": True, "reset_left": 3},
+        "_phase": 5,
+        "_held": {"fresh": False, "inc": 700},
+    }
+
+
 def test_belts_that_were_recorded_under_their_first_names_have_them_in_their_encoders() -> None:
     belts = {"_stood": {"dict": [], "number": 2}, "_told": {"list": [True], "number": 3}, "_silent": 0}
     tree = renamed({"object": id_of(CoreBelts), "has": belts, "number": 1})
@@ -86,7 +97,9 @@ def test_each_move_leads_to_an_attribute_of_a_part_that_its_class_has() -> None:
 def test_each_renaming_leads_to_an_attribute_that_its_class_has() -> None:
     for row in renamings():
         source = inspect.getsource(class_of(row.of))
-        assert all(each in source and before not in source for before, each in row.attributes.items()), row
+        gone = {before for before, each in row.attributes.items() if each == GONE}
+        assert all(each in source and before not in source for before, each in row.attributes.items() if before not in gone), row
+        assert not any(f"self.{before} = " in source or f'"{before}"' in source for before in gone), "a property at most"
 
 
 def class_of(stable_id: str) -> type:

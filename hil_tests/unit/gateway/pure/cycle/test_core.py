@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from drivers.drives.family import Actual, Demand, SetRecord
-from drivers.drives.servodyn import Drive, DriveSettings
+from drivers.drives.servodyn import Drive
 from drivers.emulator.servodyn.slave import ServodynSlave
 from gateway.pure.arbitration.command_block import Code
 from gateway.pure.cell.cell import FollowingError
@@ -151,7 +151,7 @@ def test_a_refused_set_value_takes_the_drives_off() -> None:
     cell.run(0.3)
     drive = cell.core._axes[0].drive
     assert isinstance(drive, Drive)
-    drive._settings = DriveSettings(step_inc=1)
+    drive._held.step = 1
     cell.run(0.1)
     assert (move.state, move.reason) == (CommandState.ABORTED, Reason.SET_VALUE)
 
