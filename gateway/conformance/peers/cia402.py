@@ -269,8 +269,6 @@ ROWS: tuple[Row, ...] = (
         "PWR_BV_01",
         _status(lambda drive, word: 0x21 if word & 0x4F == 0x40 else word),
     ),
-    _row("no-bit-4", "bit 4 voltage enabled is never set", "PWR_CA_02", _status(lambda drive, word: word & ~0x10)),
-    _row("no-bit-9", "bit 9 remote is never set", "PWR_CA_02", _status(lambda drive, word: word & ~0x200)),
     _row("never-says-gone", "no EMCY 0000h", "FLT_BV_11", says=never_says_gone),
     _row("no-shutdown", "no transition 2", "PWR_BV_02", _deaf_in(S.DISABLED, 6)),
     _row("no-switch-on", "no transition 3", "PWR_BV_03", _deaf_in(S.READY, 7)),

@@ -229,7 +229,7 @@ def bits(t: NodeTester) -> None:
         got = status(t)
         for bit, name in ((4, "voltage enabled"), (9, "remote")):
             if not got >> bit & 1:
-                raise Fail(f"bit {bit} ({name}) of the statusword is clear in operation enabled", "bits 4 and 9 set", named(got))
+                raise Warn(f"bit {bit} ({name}) of the statusword is clear in operation enabled", "bits 4 and 9 set", named(got))
 
 
 @PWR.case("RC_01", "ten times on and off", "zehnmal ein und aus", condition=("may_power",), preamble=_needs((*FULL, 10)))
