@@ -5,7 +5,7 @@ SCORES: dict[str, tuple[int, int]] = {
     "rk512": (85, 85),
     "modbus-tcp": (103, 103),
     "modbus-rtu": (99, 99),
-    "cia402": (124, 124),
+    "cia402": (122, 122),
     "canopen-301": (156, 156),
     "servodyn": (88, 88),
     "interop": (51, 51),
