@@ -196,7 +196,9 @@ def _laboratory(found: Mapping[str, object], word: Word) -> list[str]:
         parts += [(f"<h2>PICS</h2>{_rows(part)}", _height(part)) for part in _parts(stated_pics)]
     else:
         parts.append((f"<h2>PICS</h2><p>{word('Nothing was stated.')}</p>", 3 * LINE))
-    named = [(start, word(text)) for start, text in CLAUSES.items() if any(case["clause"].startswith(start) for case in cases_of(found))]
+    named = [
+        (start, word(text)) for start, text in CLAUSES.items() if any(str(case["clause"]).startswith(start) for case in cases_of(found))
+    ]
     if named:
         parts.append((f"<h2>{word('Sources of the clauses')}</h2>{_rows(named)}", _height(named)))
     for part in _parts(assumed):
