@@ -25,8 +25,8 @@ from motion.timing.slices import Work
 from motion.timing.splice import RUN_UP_S, led_over
 
 Array = NDArray[np.float64]
-SLOW = 1.25  # of the time of passing: where stops take less than this, the law is refined
-CLEAR = 0.6  # of it: where stops take less than this, no refined law is quicker
+WORTH = 0.75  # of the time of passing: stops in a row that still grows take less than this, or it is passed (AX-661)
+SLOW = 1.25  # of it: where stops take less than this, the law is refined
 REFINED_S = 2.0  # of a law at most, from where it begins
 LONG_S = 0.4  # a shorter one stays quick: a refined law cannot change over just before its end, a quick one can
 SMALLEST = 1e-9
@@ -57,16 +57,15 @@ class Growing:
         self._machine, self._factors = machine, factors
 
     def begun(self, row: Sequence[Stretch], at: float) -> Work[Grown | list[list[Stretch]]]:
-        """From rest at tau = `at`; the runs with stops in all corners where these are quicker."""
+        """From rest at tau = `at`; the runs with stops in all corners where these are that much quicker."""
         run = make_run(row, self._machine, self._factors)
         width = width_s(run.limits)
         made = yield from swift_work(run.path, run.limits, width)
         taken = made.law.duration
         stops, seconds = yield from stopping(row, self._machine, SLOW * taken, self._factors)
-        refined = stops and taken >= LONG_S and seconds >= CLEAR * taken
-        law = (yield from refined_work(run.path, run.limits, made.law, REFINED_S)) if refined else None
-        if stops and seconds < (taken if law is None else law.duration):
+        if stops and seconds < WORTH * taken:
             return stops
+        law = (yield from refined_work(run.path, run.limits, made.law, REFINED_S)) if stops and taken >= LONG_S else None
         return Grown(run, made.law, Origin(made, 0, width)) if law is None else Grown(run, law, Origin(None, 0, width, True)).paused(at)
 
     def gone_on(self, last: Planned, at: float, row: Sequence[Stretch]) -> Work[Grown]:
@@ -76,7 +75,7 @@ class Growing:
         stops, seconds = yield from stopping(row, self._machine, SLOW * (found.law.duration - before), self._factors, moving=True)
         slow = bool(stops)
         found = (yield from self._refined(found, slow)).paused(at)
-        if stops and seconds < found.law.duration - before:
+        if stops and seconds < WORTH * (found.law.duration - before):
             first = yield from self._along(last, at, stops[0])
             if first.law.duration + seconds < found.law.duration:
                 later = tuple(each for part in stops[1:] for each in part)

@@ -43,7 +43,6 @@ IN_TIME, PATIENCE = 0.3, 8.0  # of the lead: a tail that is made later comes too
 LEAD_S = 0.15  # a tail that begins sooner is not replaced any more: its replacement might come too late
 AHEAD_S = 2.0  # with more than this ahead no piece is handed on, not even urgently: without the planner the axes would run all of it
 HORIZON_S = 0.6  # with more than this ahead (at full speed) the tail is left alone; laws: AX-421
-AT_REST = 0.5  # of the lead: an open row that begins at a stop waits until then, because the axes rest there anyway
 LED_S = 0.42  # the same for a law that is refined each time (AX-961)
 LED_PIECES = 1.15  # times as many pieces: such a tail has more than the one before it
 FEW, FEW_LEADS = 4, 1.6  # and where not every fourth stretch is new, with more than so many leads ahead
@@ -280,7 +279,6 @@ class Planner:
         if ahead > max(horizon, 2.0 * self.lead_s * self._patience + self._carried()):
             return None
         if not self._planned or self._planned[-1].stops:
-            hurry = hurry and ahead <= AT_REST * self.lead_s + self._carried()
             if not (known or hurry or ready < len(self._fresh) or any(map(STOPS, self._fresh))):
                 return None
             return self._from_rest(self._window(ready))

@@ -21,7 +21,7 @@ circular via pose 15 25 0 0 0 0 to pose 10 20 0 0 0 0
 ptp joints 0 0 0
 """
 START = (0.0, 0.0, 0.0)
-CORNER = Blend(Rounding.CARTESIAN, 3e-3, 3e-3)
+CORNER = Blend(Rounding.CARTESIAN, 2e-3, 2e-3)
 
 
 class Counted:
