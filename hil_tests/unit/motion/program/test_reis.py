@@ -132,8 +132,15 @@ def test_ptp_runs_with_the_lead_axis() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("IV_FLYBY_S", 101), ("IACC_TIME", 51), ("BAHN_RADIUS", -1), ("PTP_GESCHW", 0), ("BAHN_GESCHW", float("nan"))]
+    ("name", "value", "reason"),
+    [
+        ("IV_FLYBY_S", 101, "is outside"),
+        ("IACC_TIME", 51, "is outside"),
+        ("BAHN_RADIUS", -1, "is outside"),
+        ("PTP_GESCHW", 0, "must be above 0 and at most 100"),
+        ("BAHN_GESCHW", float("nan"), "must be above 0 and at most"),
+    ],
 )
-def test_values_outside_their_range_are_refused(name: str, value: float) -> None:
-    with pytest.raises(StepFault, match="is outside"):
+def test_values_outside_their_range_are_refused(name: str, value: float, reason: str) -> None:
+    with pytest.raises(StepFault, match=reason):
         linear(**{name: value})
