@@ -62,7 +62,8 @@ def marks_of(run: Run, law: Law, pieces: Sequence[TimedPiece], *, goes_on: bool)
             continue
         tau = _when(law, s)
         index = min(max(int(np.searchsorted(begins, tau, side="left")) - 1, 0), len(pieces) - 1)
-        marks.append(Mark(pieces[index].id, tau - float(begins[index]), number, value, function))
+        after = min(tau - float(begins[index]), pieces[index].duration)  # the sum of durations rounds
+        marks.append(Mark(pieces[index].id, after, number, value, function))
     return marks
 
 
