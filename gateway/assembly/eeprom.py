@@ -6,7 +6,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping
 
-from gateway.runtime.safe_file import write_whole
+from gateway.files.safe_file import write_whole
 
 LARGEST = 1 << 20
 WRITABLE = 0o222

@@ -18,6 +18,7 @@ from gateway.assembly.programs import numbers_of
 from gateway.assembly.run import RunPlan
 from gateway.assembly.sram_card import DEFECTIVE, card_refused, format_card, in_place, in_use, without_card
 from gateway.files.program_memory import baps2_words, folder_memory
+from gateway.files.safe_file import write_whole
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.rho3.pendant.user_memory import SIZES
 from gateway.pure.controllers.rho3.signals.timers import TimersAndCounters
@@ -46,7 +47,7 @@ from gateway.pure.languages.baps2.units import Device
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.pic.cell_pic import CellPic
 from gateway.pure.languages.pic.symbols import named_in
-from gateway.runtime.safe_file import kept_aside, write_whole
+from gateway.runtime.kept_aside import kept_aside
 from gateway.runtime.unwritten import UnwrittenFiles, stamp_of
 from protocols.base.machine import ms
 
@@ -306,15 +307,18 @@ class Baps2Programs:
         for name, data in changed(self._kept, self.memory.files).items():
             path = self._path(name)
             self._unwritten.written(path)
+            aside = None
             try:
-                if aside := self._set_aside(path, self._kept.get(name), data):
-                    faults.append(aside)
+                if aside := self._aside(path, self._kept.get(name), data):
+                    write_whole(aside, path.read_bytes())
+                    faults.append(f"{path}: it was changed on the disk, then a program wrote it; the changed file is kept as {aside.name}")
+                    aside = None
                 if data is None:
                     path.unlink(missing_ok=True)
                 else:
                     write_whole(path, data)
             except OSError as error:
-                self._unwritten.failed(path, data)
+                self._unwritten.failed(path, data, aside)
                 faults.append(f"{path}: {error.strerror}; what programs have written there is lost when this run ends")
             if data is None:
                 self._kept.pop(name, None)
@@ -323,14 +327,11 @@ class Baps2Programs:
             self._stamp(path)
         return faults
 
-    def _set_aside(self, path: pathlib.Path, *known: bytes | None) -> str:
-        """Keep a file that was changed on the disk after it was read, and that a program overwrites now.  OSError."""
+    def _aside(self, path: pathlib.Path, *known: bytes | None) -> pathlib.Path | None:
+        """Name for a file that was changed on the disk after it was read, and that a program overwrites now; None: it was not.  OSError."""
         stamp = stamp_of(path)
-        if stamp is None or stamp == self._stamps.get(path.name) or (found := path.read_bytes()) in known:
-            return ""
-        kept = kept_aside(path)
-        write_whole(kept, found)
-        return f"{path}: it was changed on the disk, then a program wrote it; the changed file is kept as {kept.name}"
+        unchanged = stamp is None or stamp == self._stamps.get(path.name) or path.read_bytes() in known
+        return None if unchanged else kept_aside(path)
 
     def _stamp(self, path: pathlib.Path) -> None:
         """What programs have written is no change from outside."""

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 from gateway.assembly import axis_zeros as zeros
 from gateway.assembly.axis_scaling import scaling_of
+from gateway.files.safe_file import write_whole
 from gateway.pure.cell.cell import Axis, Cell
 from gateway.pure.cycle.encoder_wrap import beside, wrapped, wrapped_endless
 from gateway.pure.image.records.cell import AxisFlag, CellState
-from gateway.runtime.safe_file import write_whole
 from motion.geometry.units import from_si, to_si
 
 NO_PLACES: Mapping[str, int] = {}

@@ -10,6 +10,7 @@ from gateway.assembly.program_memory import memory_folder
 from gateway.assembly.programs import machines_of_cell
 from gateway.assembly.run import RunPlan
 from gateway.files.robotstar import KEPT, LOCKS, FolderFault, locks_of, sources, text_of, with_system, words, write_locks
+from gateway.files.safe_file import write_whole
 from gateway.pure.arbitration.dispatcher import CommandDispatcher
 from gateway.pure.cell.cell import Cell
 from gateway.pure.controllers.control import Control
@@ -22,7 +23,6 @@ from gateway.pure.languages.robotstar.cell_run import SYSTEM, CellRun
 from gateway.pure.languages.robotstar.initial import NAME as INITIAL
 from gateway.pure.languages.robotstar.initial import initialise
 from gateway.pure.languages.robotstar.memory import Memory
-from gateway.runtime.safe_file import write_whole
 from gateway.runtime.unwritten import UnwrittenFiles, stamp_of
 
 KEEP_S, SHARE = 0.5, 20  # interval of writes while values change, and its least multiple of the duration of a write

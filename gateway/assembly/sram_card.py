@@ -8,7 +8,7 @@ import pathlib
 import secrets
 
 from gateway.assembly.eeprom import is_protected
-from gateway.runtime.safe_file import write_whole
+from gateway.files.safe_file import write_whole
 
 SMALLEST = 1 << 20  # bytes
 MARK = ".sram-card"  # in the folder of the memory

@@ -7,10 +7,10 @@ import sys
 
 from gateway.assembly.program_memory import memory_folder
 from gateway.files.program_memory import baps2_words, folder_memory
+from gateway.files.safe_file import write_whole
 from gateway.pure.languages.baps2.compiling import compile_program
 from gateway.pure.languages.baps2.library import Library
 from gateway.runtime.exit_codes import Exit
-from gateway.runtime.safe_file import write_whole
 from gateway.tools.cell_argument import load
 from gateway.tools.command_support import USAGE
 from gateway.tools.usage_language import baps2_text, complain, fault_text

@@ -1,13 +1,13 @@
 """Reads the user memory of a ROBOTstar V from a folder, and the language's table of words."""
 
 import importlib.resources
-import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from gateway.files.old_text import decoded
+from gateway.files.safe_file import write_whole
 from gateway.pure.languages.robotstar.memory import Source
 from gateway.pure.languages.robotstar.program import KINDS
 from gateway.pure.languages.robotstar.protection import Protected, letters_of
@@ -95,25 +95,14 @@ def locks_of(root: Path) -> dict[str, str]:
 def write_locks(root: Path, locks: Mapping[str, str]) -> None:
     """Write the complete file."""
     text = "".join(f"{name} = {letters}\n" for name, letters in sorted(locks.items()) if letters)
-    replace(root / LOCKS, text)
+    replace(root / LOCKS, text.encode())
 
 
-def replace(path: Path, text: str) -> None:
+def replace(path: Path, octets: bytes) -> None:
     """Replace the complete file: the old or the new one.  FolderFault: the old one."""
-    replace_octets(path, text.encode())
-
-
-def replace_octets(path: Path, octets: bytes) -> None:
-    """The same; on return they are on the disk.  FolderFault: the old file."""
-    fresh = path.with_name(f".{path.name.lstrip('.')}.part")
     try:
-        with fresh.open("wb") as file:
-            file.write(octets)
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(path)
+        write_whole(path, octets)
     except OSError as error:
-        fresh.unlink(missing_ok=True)
         raise FolderFault(f"{path}: {error.strerror}") from None
 
 

@@ -5,7 +5,7 @@ import datetime
 from dataclasses import dataclass
 from pathlib import Path
 
-from gateway.files.robotstar import KEPT, FolderFault, locks_of, replace, replace_octets, sources, text_of, words, write_locks
+from gateway.files.robotstar import KEPT, FolderFault, locks_of, replace, sources, text_of, words, write_locks
 from gateway.pure.languages.base.faults import Faults
 from gateway.pure.languages.base.source import SourceFile
 from gateway.pure.languages.plc.steps import Wrong, step_of
@@ -107,7 +107,7 @@ def change_step(folder: Path, name: str, what: str, number: int, text: str = "")
     if numbered:
         shown_lines = iter(range(1, len(lines) + 1))
         lines = [f"{next(shown_lines)} {unnumbered(line)}" if unnumbered(line) else line for line in lines]
-    replace(folder / file, "\n".join(lines) + "\n")
+    replace(folder / file, ("\n".join(lines) + "\n").encode())
     return number - (what == "delete")
 
 
@@ -133,8 +133,8 @@ def _copied(folder: Path, file: str, to: str) -> str:
     head, line, rest = text.partition("\n")
     before, found, behind = head.rpartition(plain)  # the last one: P is also a letter of MPR
     if (folder / f"{file}{KEPT}").exists():  # first: a program without its values would begin with others
-        replace_octets(folder / f"{new}{KEPT}", (folder / f"{file}{KEPT}").read_bytes())
-    replace_octets(folder / new, ((before + name + behind if found else head) + line + rest).encode())
+        replace(folder / f"{new}{KEPT}", (folder / f"{file}{KEPT}").read_bytes())
+    replace(folder / new, ((before + name + behind if found else head) + line + rest).encode())
     return new
 
 

@@ -19,6 +19,7 @@ from gateway.assembly.integrated_plc import kept_file, start_program
 from gateway.assembly.program_memory import plc_folder
 from gateway.assembly.run import RunPlan, load_plan
 from gateway.files.plc_programs import ProgramFileFault, read_programs
+from gateway.files.safe_file import write_whole
 from gateway.pure.controllers.reis.markers import ERROR_NUMBER, IN_ERROR, merged
 from gateway.pure.image.records.cell import InputImage, Quality, unpack_inputs
 from gateway.pure.image.records.interpreter import TEXT_LAYOUT, Fact, pack_facts, unpack_facts
@@ -42,7 +43,6 @@ from gateway.pure.languages.plc.state import TimeError
 from gateway.runtime.journal import Journal
 from gateway.runtime.realtime import Timerfd, die_with_parent
 from gateway.runtime.regions import RegionReader, RegionWriter, RingReader, RingWriter, fds_from_text
-from gateway.runtime.safe_file import write_whole
 
 TAKEN = 256  # orders a period
 GO_ON = 20_000  # commands a scan may run before the clock is read again

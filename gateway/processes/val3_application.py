@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from gateway.assembly.program_memory import disk_folder
 from gateway.assembly.run import RunPlan
 from gateway.assembly.val3_application import channel_of, setup_of
+from gateway.files.safe_file import write_whole
 from gateway.files.val3_disk import read_disk
 from gateway.links.serial.val3_cell_sio import CellSio
 from gateway.pure.languages.base.hosting import Port
 from gateway.pure.languages.val3.cell_run import CellRun
-from gateway.runtime.safe_file import write_whole
 
 
 class Val3Programs:

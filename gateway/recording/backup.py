@@ -19,14 +19,15 @@ from gateway.assembly.integrated_plc import kept_of
 from gateway.assembly.program_memory import program_folders
 from gateway.cell_file.load import load_cell
 from gateway.files.find import read_text
+from gateway.files.safe_file import put_in_place
 from gateway.pure.cell.cell import Cell
 from gateway.pure.cell.faults import CellFaults
 from gateway.pure.cell.web import Web
 from gateway.runtime.clock import wall
+from gateway.runtime.kept_aside import kept_aside
 from gateway.runtime.page_data import data_file
 from gateway.runtime.retained import writer as retain
 from gateway.runtime.retained.store import RetainError, open_file
-from gateway.runtime.safe_file import kept_aside, put_in_place
 
 FORMAT = 1
 MANIFEST = "manifest.json"

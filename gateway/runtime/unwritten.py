@@ -5,7 +5,7 @@ import pathlib
 import time
 from collections.abc import Callable
 
-from gateway.runtime.safe_file import write_whole
+from gateway.files.safe_file import write_whole
 
 AGAIN_S = 1.0
 
@@ -25,11 +25,11 @@ class UnwrittenFiles:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock, self._due = clock, 0.0
-        self._files: dict[pathlib.Path, tuple[bytes | None, Stamp]] = {}
+        self._files: dict[pathlib.Path, tuple[bytes | None, Stamp, pathlib.Path | None]] = {}
 
-    def failed(self, path: pathlib.Path, octets: bytes | None) -> None:
-        """It has to have this content; None: it has to be deleted."""
-        self._files[path] = octets, stamp_of(path)
+    def failed(self, path: pathlib.Path, octets: bytes | None, aside: pathlib.Path | None = None) -> None:
+        """It has to have this content; None: it has to be deleted.  `aside`: what is there has to be kept under this name first."""
+        self._files[path] = octets, stamp_of(path), aside
         self._due = self._clock() + AGAIN_S
 
     def written(self, path: pathlib.Path) -> None:
@@ -41,9 +41,11 @@ class UnwrittenFiles:
         if not self._files or self._clock() < self._due:
             return []
         self._due, done = self._clock() + AGAIN_S, []
-        for path, (octets, stamp) in list(self._files.items()):
+        for path, (octets, stamp, aside) in list(self._files.items()):
             if stamp_of(path) == stamp:
                 try:
+                    if aside is not None:
+                        write_whole(aside, path.read_bytes())
                     path.unlink(missing_ok=True) if octets is None else write_whole(path, octets)
                 except OSError:
                     continue

@@ -13,10 +13,10 @@ from gateway.assembly import axis_zeros as zeros
 from gateway.assembly.axis_zeros import rows_of
 from gateway.assembly.drive_buses import listening
 from gateway.files.find import ConfigNotFound, beside
+from gateway.files.safe_file import append_line
 from gateway.pure.cell.cell import Cell
 from gateway.registry import DRIVE_FAMILIES
 from gateway.runtime.clock import wall
-from gateway.runtime.safe_file import append_line
 
 TEXT = (
     "Before the first enable on real drives:\n"

@@ -12,10 +12,10 @@ from gateway.assembly.last_positions import LastPlaces, judge
 from gateway.cell_file.load import load_cell
 from gateway.commands.backup import main as save
 from gateway.commands.restore import main as put_back
+from gateway.files.safe_file import append_line, write_whole
 from gateway.pure.image.records.cell import AxisState, CellState
 from gateway.recording import backup
 from gateway.runtime.page_data import data_file
-from gateway.runtime.safe_file import append_line, write_whole
 from gateway.tools.drives.first_enable import WORDS, confirm, log_of, unconfirmed
 from gateway.web.store import Role, Store
 from hil_tests.lab.running.joined_running import cell_copy

@@ -8,8 +8,9 @@ import pytest
 
 from gateway.assembly.interpreter import Baps2Programs
 from gateway.assembly.run import RunPlan
+from gateway.files import safe_file
 from gateway.pure.image.records.cell import CellState
-from gateway.runtime import safe_file, unwritten
+from gateway.runtime import unwritten
 from gateway.services.rho3_panel import Rho3Panel
 from hil_tests.lab.virtual.baps2_bench import CELL, ProgramCell, VirtualPort, one
 
@@ -80,6 +81,23 @@ def test_a_file_changed_on_the_disk_while_programs_run_is_not_lost(cell: EepromC
     assert (cell.folder / "N.DAT").read_bytes() == b"of the program"
     cell.memory.files["N.DAT"] = b"once more"
     assert cell.programs.write_back() == [] and len(list(cell.folder.glob("*.before-*"))) == 1
+
+
+def test_a_changed_file_is_kept_by_the_second_attempt_where_the_disk_was_full(cell: EepromCell, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    (cell.folder / "N.DAT").write_bytes(b"of the operator")
+    cell.memory.files["N.DAT"] = b"of the program"
+    with monkeypatch.context() as disk:
+        disk.setattr(safe_file, "put_in_place", full)
+        assert ["No space left on device" in fault for fault in cell.programs.write_back()] == [True]
+    assert (cell.folder / "N.DAT").read_bytes() == b"of the operator"
+    monkeypatch.setattr(unwritten, "AGAIN_S", 0.0)
+    cell.programs._unwritten._due = 0.0  # a second later
+    assert cell.programs.write_back() == []
+    (aside,) = cell.folder.glob("N.DAT.before-*")
+    assert (aside.read_bytes(), (cell.folder / "N.DAT").read_bytes()) == (b"of the operator", b"of the program")
 
 
 def test_what_could_not_be_written_is_tried_again(cell: EepromCell, monkeypatch: pytest.MonkeyPatch) -> None:

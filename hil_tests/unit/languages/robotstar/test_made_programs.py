@@ -8,11 +8,11 @@ import pytest
 
 from gateway.assembly.robotstar import RobotstarPrograms
 from gateway.assembly.run import RunPlan
-from gateway.files import robotstar
+from gateway.files import robotstar, safe_file
 from gateway.files.robotstar_directory import copy, rename
 from gateway.pure.languages.robotstar.kept import restore, written
 from gateway.pure.languages.robotstar.operands import Number
-from gateway.runtime import safe_file, unwritten
+from gateway.runtime import unwritten
 from hil_tests.lab.virtual.baps2_bench import VirtualPort
 from hil_tests.lab.virtual.reis_bench import CELL
 

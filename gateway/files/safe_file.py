@@ -5,8 +5,6 @@ import errno
 import os
 import pathlib
 
-from gateway.runtime.clock import wall
-
 
 def write_whole(path: pathlib.Path, octets: bytes, mode: int = 0o644) -> None:
     """The old file or the new one, never a part of either.  OSError, which names the file: the old one."""
@@ -23,13 +21,6 @@ def write_whole(path: pathlib.Path, octets: bytes, mode: int = 0o644) -> None:
         with contextlib.suppress(OSError):
             partial.unlink()
         raise OSError(error.errno, error.strerror, str(path)) from error
-
-
-def kept_aside(path: pathlib.Path) -> pathlib.Path:
-    """A free name for what is in the place of a file that is replaced: NAME.before-TIME-N."""
-    mark = wall()[:19].replace(":", "")
-    names = (path.with_name(f"{path.name}.before-{mark}-{number}") for number in range(1, 10_000))
-    return next(each for each in names if not each.exists())
 
 
 def append_line(path: pathlib.Path, line: str, mode: int = 0o644) -> None:
