@@ -88,8 +88,8 @@ def test_the_rate_limit_delays_and_never_swallows_the_last_value() -> None:
 def test_a_command_that_is_still_set_when_its_source_comes_starts_nothing(
     loss: Loss, source: tuple[float | None, ...], shown: list[float]
 ) -> None:
-    told = play(RouteSettings("r", loss=loss, command=True), *enumerate(source))
-    assert [value for value, _ in told] == shown
+    written = play(RouteSettings("r", loss=loss, command=True), *enumerate(source))
+    assert [value for value, _ in written] == shown
 
 
 @pytest.mark.parametrize(("to", "command"), [("val3.run", True), ("val3.move", True), ("val3.hold", False), ("io.run", False)])
