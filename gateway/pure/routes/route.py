@@ -105,7 +105,7 @@ class Route:
         if edge is Edge.LEVEL:
             wanted = settled * self.settings.scale + self.settings.offset
             self._armed = self._armed or not wanted or wanted == self.value
-            return wanted if self._armed else 0.0
+            return wanted if self._armed else None
         if edge is Edge.CHANGE:
             moved = self._before is not None and settled != self._before
             fresh = moved or (self.valid and self.value is not None)

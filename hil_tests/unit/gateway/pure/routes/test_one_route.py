@@ -78,7 +78,11 @@ def test_the_rate_limit_delays_and_never_swallows_the_last_value() -> None:
 @pytest.mark.parametrize(
     ("loss", "source", "shown"),
     [
-        (Loss.HOLD, (1.0, 1.0, 0.0, 1.0), [0.0, 0.0, 0.0, 1.0]),  # a bit that is set when the source begins
+        (
+            Loss.HOLD,
+            (1.0, 1.0, 0.0, 1.0),
+            [None, None, 0.0, 1.0],
+        ),  # a bit that is set when the source begins: nothing is started or stopped
         (Loss.HOLD, (0.0, 1.0, None, 1.0, 0.0), [0.0, 1.0, 1.0, 1.0, 0.0]),
         (Loss.HOLD, (0.0, 1.0, None, 0.0, 1.0), [0.0, 1.0, 1.0, 0.0, 1.0]),
         (Loss.HOLD, (0.0, None, 1.0, 0.0, 1.0), [0.0, 0.0, 0.0, 0.0, 1.0]),
@@ -86,7 +90,7 @@ def test_the_rate_limit_delays_and_never_swallows_the_last_value() -> None:
     ],
 )
 def test_a_command_that_is_still_set_when_its_source_comes_starts_nothing(
-    loss: Loss, source: tuple[float | None, ...], shown: list[float]
+    loss: Loss, source: tuple[float | None, ...], shown: list[float | None]
 ) -> None:
     written = play(RouteSettings("r", loss=loss, command=True), *enumerate(source))
     assert [value for value, _ in written] == shown
