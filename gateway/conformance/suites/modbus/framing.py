@@ -4,7 +4,7 @@ import struct
 
 from gateway.conformance.framework.causes import PREPARING
 from gateway.conformance.suites.modbus.tester import ModbusTester
-from gateway.pure.conformance.purpose import Purposes
+from gateway.pure.conformance.purpose import Particulars, Purposes
 from gateway.pure.conformance.verdict import Ended, Fail, Inconclusive, Warn
 from protocols.base.machine import ms
 from protocols.modbus.crc import sealed
@@ -39,13 +39,14 @@ def _many(t: ModbusTester) -> None:
 
 
 def _exceptions(t: ModbusTester) -> None:
-    refusal = b"\x03\xff\xff\x00\x02"
-    answers = bool(t.ask(refusal))
-    for count in range(20):
-        t.ask(b"\x41\x00\x00\x00\x01")
-        if not t.ask(refusal) and answers and not t.ask(refusal):  # it may close a connection with many refusals: repeat on a new one
-            raise Fail(f"after {2 * count + 2} refusals nothing is answered", "an exception", "silence, or closed")
-    _served(t, "40 refusals")
+    refusals = [b"\x41\x00\x00\x00\x01", b"\x03\xff\xff\x00\x02"]
+    answered = [*t.setup.refused, *(pdu for pdu in refusals if t.ask(pdu))]
+    for count in range(1, 21):
+        for pdu in answered:
+            if not t.ask(pdu) and not t.ask(pdu):  # it may close a connection with many refusals: repeat on a new one
+                t.setup.refusals_end = t.case
+                raise Fail(f"after {len(answered) * count} refusals nothing is answered", "an exception", "silence, or closed")
+    _served(t, f"{20 * len(answered)} refusals")
 
 
 @TCP.case("BV_01", "transaction numbers are returned unchanged", "Transaktionsnummern kommen unverändert zurück")
@@ -185,7 +186,13 @@ def half(t: ModbusTester) -> None:
         _served(t, f"{size} bytes of a request")
 
 
-@TCP.case("RC_03", "after many refusals it serves on", "nach vielen Ablehnungen bedient er weiter")
+@TCP.case(
+    "RC_03",
+    "after many refusals it serves on",
+    "nach vielen Ablehnungen bedient er weiter",
+    preamble=("MBTCP_FUN_BV_01", "MBTCP_FUN_BI_04"),
+    beside=Particulars(early=True),  # what others do not see because of it
+)
 def exceptions(t: ModbusTester) -> None:
     _exceptions(t)
 
@@ -360,7 +367,13 @@ def rtu_garbage(t: ModbusTester) -> None:
         _served(t, "garbage")
 
 
-@RTU.case("RC_02", "after many refusals and bad frames it serves on", "nach vielen Ablehnungen und Störungen bedient er weiter")
+@RTU.case(
+    "RC_02",
+    "after many refusals and bad frames it serves on",
+    "nach vielen Ablehnungen und Störungen bedient er weiter",
+    preamble=("MBRTU_FUN_BV_01", "MBRTU_FUN_BI_04"),
+    beside=Particulars(early=True),
+)
 def rtu_exceptions(t: ModbusTester) -> None:
     _exceptions(t)
 

@@ -144,7 +144,7 @@ class ModbusSession:
 
     def _asked(self, pdu: bytes) -> bytes:
         try:
-            return self.tester.ask(pdu)
+            return self.tester.steady(pdu)
         except Ended:
             return b""
 

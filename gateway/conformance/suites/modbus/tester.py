@@ -9,7 +9,7 @@ from gateway.conformance.framework.base import Seen, Tester, hexed
 from gateway.conformance.framework.host import Host
 from gateway.links.serial.tool_wire import Heard, Wire
 from gateway.pure.conformance.purpose import Particulars
-from gateway.pure.conformance.verdict import Fail, Inconclusive
+from gateway.pure.conformance.verdict import Fail, Inconclusive, Warn
 from protocols.base.machine import Damage, Ns, ms
 from protocols.modbus.crc import crc, sealed
 from protocols.modbus.mbap import ANSWER, HEADER
@@ -43,6 +43,9 @@ MOST_FRAME = 600
 QUIET = ms(30)
 LINE_QUIET = ms(60)
 BUSY = 4  # attempts at a busy server
+LISTENED = 2  # times that a late answer of a server is waited for which has answered nothing yet
+LATER = ms(2000)  # waited for an answer that did not come in time
+STATUS = 7  # Read Exception Status: its answer has two bytes as well
 
 
 @dataclass(slots=True)
@@ -58,7 +61,11 @@ class ModbusSetup:
     holding: tuple[int, ...] = ()  # may be written
     coils: tuple[int, ...] = ()
     known: Mapping[str, int] = field(default_factory=dict)
-    odd_exceptions: bool = False  # badly built: one case judges it
+    odd_exceptions: str = ""  # the case that found refusals badly built
+    answers: bool = False  # it has answered a request
+    refused: tuple[bytes, ...] = ()  # requests that were refused with an exception
+    refusals_end: str = ""  # the case after whose refusals none was answered
+    unsteady: str = ""  # the case that first missed an answer which came later, or when the request was repeated
 
     def most(self, function: int, legal: int) -> int:
         """Largest number in one request: the limit of V1.1b3, or less if the PICS states it."""
@@ -78,6 +85,10 @@ class ModbusTester(Tester):
         self._rest = b""
         self._doubtful = False
         self.answered = False  # since the last connection was made
+        self._silent = b""  # the last request, where it had no answer in time
+        self._frame, self._sent = b"", 0  # the last request, and when
+        self._listened = 0  # times that a late answer was waited for
+        self.missed = ""  # in this case: a request that had an answer only later, or when it was repeated
 
     # ---- the wire
     @property
@@ -124,7 +135,18 @@ class ModbusTester(Tester):
     def begin(self) -> None:
         if self.closed:
             self.reconnect()
-        self.wire.late_ns = 0
+        self.wire.late_ns, self.missed = 0, ""
+
+    def standing(self) -> None:
+        """An answer that is missed now and then is one FAIL, in the first case that meets it."""
+        if not self.missed:
+            return
+        if self.case.endswith("_FUN_BV_01"):  # where all others start from
+            raise Warn(self.missed, "an answer to each request", "silence")
+        if self.setup.unsteady in ("", self.case):
+            self.setup.unsteady = self.case
+            raise Fail(self.missed, "an answer to each request", "silence")
+        raise Warn(f"{self.missed}, as in {self.setup.unsteady}", "an answer to each request", "silence")
 
     # ---- saying and hearing
     def send(self, data: bytes) -> None:
@@ -207,25 +229,55 @@ class ModbusTester(Tester):
                 break
             self.remark(f"function {pdu[0]:02X}h was refused with 06h (busy) and asked again")
             self.hear(self.wire.now() + LINE_QUIET)
+        found_by = self.setup.odd_exceptions
+        if found_by not in ("", self.case) and without_top_bit(got) and pdu[0] != STATUS:
+            wanted = f"{got[0] | 0x80:02X} {got[1]:02X}"
+            raise Inconclusive(f"preamble: a refusal without the top bit: {self.words(got)}", wanted, self.words(got), found_by)
         return got
+
+    def steady(self, pdu: bytes, judge: bool = False) -> bytes:
+        """As ask; a request without an answer in time is repeated once; a late answer counts as one."""
+        got = self.ask(pdu, judge=judge)
+        if got or self.closed or (not self.setup.answers and self._listened >= LISTENED):
+            return got
+        self._listened += 1
+        found = self.answer_frame(max(LATER, self.setup.wait))
+        if found and not self._frame_fault(self._frame, found, pdu):
+            self._doubtful, self._silent, self.answered, self.setup.answers = False, b"", True, True
+            self._miss(pdu, f"only after {(self.wire.now() - self._sent) / 1e9:.1f} s")
+            return self._pdu(found)
+        if got := self.ask(pdu, judge=judge):
+            self._miss(pdu, "only when it was repeated")
+        return got
+
+    def _miss(self, pdu: bytes, how: str) -> None:
+        self.missed = self.missed or f"function {pdu[0]:02X}h was answered {how}"
+
+    def _pdu(self, frame: bytes) -> bytes:
+        return frame[1:-2] if self.rtu else frame[7:]
 
     def _asked(self, pdu: bytes, unit: int | None, judge: bool, wait: Ns | None) -> bytes:
         """The answer PDU; b"": silence, or closed.  Faults of its frame are judged by one purpose, and INCONC elsewhere."""
         self.quiet()
         frame = self.frame(pdu, unit)
         self.send(frame)
-        start = self.wire.drained()
+        self._frame, self._sent = frame, self.wire.drained()
         found = self.answer_frame(wait)
         self._doubtful = not found and not self.rtu  # it may have lost the framing of the stream, or closed the connection
         self.answered = self.answered or bool(found)
+        self.setup.answers = self.setup.answers or bool(found)
         if found:
-            self.timed(f"answer to function {pdu[0]:02X}h", self.wire.now() - start, None, None)
+            self.timed(f"answer to function {pdu[0]:02X}h", self.wire.now() - self._sent, None, None)
         fault = self._frame_fault(frame, found, pdu)
+        before, self._silent = self._silent, b"" if found else pdu
+        if fault and self.rtu and before and not _function_fault(found[1:-2], before):
+            self._silent = pdu
+            fault = f"the answer to the request before, function {before[0]:02X}h, comes only now: {fault}"
         if fault:
             if judge and not self._preparing:
                 raise Fail(fault, f"a well-formed answer to {hexed(frame)}", hexed(found))
             raise Inconclusive(f"preamble: {fault}", f"a well-formed answer to {hexed(frame)}", hexed(found))
-        return found[1:-2] if self.rtu else found[7:]
+        return self._pdu(found)
 
     def quiet(self) -> None:
         """Drop unexpected bytes."""
@@ -268,7 +320,7 @@ class ModbusTester(Tester):
 
     def exception(self, pdu: bytes, code: int, what: str, others: tuple[int, ...] = ()) -> int | None:
         """Refused with this exception, or one of the others (which is returned); None: with the right one."""
-        got = self.ask(pdu, judge=not self.setup.odd_exceptions)
+        got = self.steady(pdu, judge=not self.setup.odd_exceptions)
         if len(got) == 2 and got[0] & 0x80:
             if got[1] == code:
                 return None
@@ -277,11 +329,19 @@ class ModbusTester(Tester):
         wanted = f"{pdu[0] | 0x80:02X} {code:02X} (exception {code:02X}h: {EXCEPTIONS[code]})"
         if self.setup.odd_exceptions and len(got) in (0, 2):
             raise Inconclusive(f"preamble: {what}: {self.words(got)}; its refusals are not those of the protocol", wanted, self.words(got))
+        self.silent_by_now(got, what, wanted)
         raise Fail(f"{what}: {self.words(got)}, expected exception {code:02X}h", wanted, self.words(got))
+
+    def silent_by_now(self, got: bytes, what: str, wanted: str) -> None:
+        """INCONC where the server answers no refusal because it had to give several: one case judges that."""
+        found_by = self.setup.refusals_end
+        if not got and found_by not in ("", self.case):
+            reason = f"preamble: {what}: {self.words(got)}; after several refusals it answers no more of them"
+            raise Inconclusive(reason, wanted, self.words(got), found_by)
 
     def normal(self, pdu: bytes, what: str) -> bytes:
         """Executed."""
-        got = self.ask(pdu)
+        got = self.steady(pdu)
         if not got or got[0] & 0x80:
             raise Fail(f"{what}: {self.words(got)}", "an answer without exception", self.words(got))
         return got
@@ -313,11 +373,11 @@ class ModbusTester(Tester):
     def alive(self) -> None:
         """The suite's postamble: a read is answered."""
         for function, address in self.setup.base.items():
-            got = self.ask(struct.pack(">BHH", function, address, 1))
+            got = self.steady(struct.pack(">BHH", function, address, 1))
             if not got or got[0] & 0x80:
                 raise Fail(f"FC {function} is no longer answered: {self.words(got)}", "a normal answer", self.words(got))
             return
-        got = self.ask(b"\x03\x00\x00\x00\x01")
+        got = self.steady(b"\x03\x00\x00\x00\x01")
         if not got:
             raise Fail("nothing is answered", "an answer", "silence")
 
