@@ -43,8 +43,10 @@ MOST_FRAME = 600
 QUIET = ms(30)
 LINE_QUIET = ms(60)
 BUSY = 4  # attempts at a busy server
+ONE_ANSWER = "one answer to each request"
 LISTENED = 2  # times that a late answer of a server is waited for which has answered nothing yet
 LATER = ms(2000)  # waited for an answer that did not come in time
+FAILURE = b"\x04"  # of the server
 STATUS = 7  # Read Exception Status: its answer has two bytes as well
 
 
@@ -87,8 +89,9 @@ class ModbusTester(Tester):
         self.answered = False  # since the last connection was made
         self._silent = b""  # the last request, where it had no answer in time
         self._frame, self._sent = b"", 0  # the last request, and when
+        self._well_answered = False  # the last request, and nothing was sent since
         self._listened = 0  # times that a late answer was waited for
-        self.missed = ""  # in this case: a request that had an answer only later, or when it was repeated
+        self.missed, self._instead = "", ""  # in this case: an answer that came late, when it was repeated, or twice; what came instead
 
     # ---- the wire
     @property
@@ -142,15 +145,16 @@ class ModbusTester(Tester):
         if not self.missed:
             return
         if self.case.endswith("_FUN_BV_01"):  # where all others start from
-            raise Warn(self.missed, "an answer to each request", "silence")
+            raise Warn(self.missed, ONE_ANSWER, self._instead)
         if self.setup.unsteady in ("", self.case):
             self.setup.unsteady = self.case
-            raise Fail(self.missed, "an answer to each request", "silence")
-        raise Warn(f"{self.missed}, as in {self.setup.unsteady}", "an answer to each request", "silence")
+            raise Fail(self.missed, ONE_ANSWER, self._instead)
+        raise Warn(f"{self.missed}, as in {self.setup.unsteady}", ONE_ANSWER, self._instead)
 
     # ---- saying and hearing
     def send(self, data: bytes) -> None:
         """As it is."""
+        self._well_answered = False
         self._host.sample(self.wire)
         try:
             self.wire.write(data)
@@ -236,22 +240,29 @@ class ModbusTester(Tester):
         return got
 
     def steady(self, pdu: bytes, judge: bool = False) -> bytes:
-        """As ask; a request without an answer in time is repeated once; a late answer counts as one."""
+        """As ask; a request without an answer in time, or with a failure of the server, is repeated once; a late answer counts as one."""
         got = self.ask(pdu, judge=judge)
+        if got[1:] == FAILURE and got[0] & 0x80:
+            again = self.ask(pdu, judge=judge)
+            if again and again != got:
+                self._miss(f"function {pdu[0]:02X}h was refused with 04h, and not when it was repeated", self.words(got))
+            return again
         if got or self.closed or (not self.setup.answers and self._listened >= LISTENED):
             return got
         self._listened += 1
         found = self.answer_frame(max(LATER, self.setup.wait))
         if found and not self._frame_fault(self._frame, found, pdu):
             self._doubtful, self._silent, self.answered, self.setup.answers = False, b"", True, True
-            self._miss(pdu, f"only after {(self.wire.now() - self._sent) / 1e9:.1f} s")
+            self._miss(f"function {pdu[0]:02X}h was answered only after {(self.wire.now() - self._sent) / 1e9:.1f} s")
             return self._pdu(found)
         if got := self.ask(pdu, judge=judge):
-            self._miss(pdu, "only when it was repeated")
+            self._miss(f"function {pdu[0]:02X}h was answered only when it was repeated")
         return got
 
-    def _miss(self, pdu: bytes, how: str) -> None:
-        self.missed = self.missed or f"function {pdu[0]:02X}h was answered {how}"
+    def _miss(self, what: str, instead: str = "silence") -> None:
+        """The first of a case counts."""
+        if not self.missed:
+            self.missed, self._instead = what, instead
 
     def _pdu(self, frame: bytes) -> bytes:
         return frame[1:-2] if self.rtu else frame[7:]
@@ -277,13 +288,17 @@ class ModbusTester(Tester):
             if judge and not self._preparing:
                 raise Fail(fault, f"a well-formed answer to {hexed(frame)}", hexed(found))
             raise Inconclusive(f"preamble: {fault}", f"a well-formed answer to {hexed(frame)}", hexed(found))
+        self._well_answered = bool(found)
         return self._pdu(found)
 
     def quiet(self) -> None:
-        """Drop unexpected bytes."""
-        self._rest = b""
-        while self.hear(self.wire.now() + (LINE_QUIET if self.rtu else 0)):
-            pass
+        """Drop unexpected bytes; those that follow an answer were not asked for."""
+        extra, self._rest = self._rest, b""
+        while byte := self.hear(self.wire.now() + (LINE_QUIET if self.rtu else 0)):
+            extra += byte
+        if extra and self._well_answered:
+            self._miss(f"bytes that were not asked for follow an answer: {hexed(extra)}", hexed(extra))
+        self._well_answered = False
         if self.closed or self._doubtful:
             self.reconnect()
 

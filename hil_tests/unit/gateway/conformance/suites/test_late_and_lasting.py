@@ -11,6 +11,7 @@ from gateway.conformance.peers.stations import Variant
 from gateway.conformance.suites.registry import SUITES
 from gateway.pure.conformance.verdict import Verdict
 from protocols.base.machine import Ns, ms
+from protocols.modbus.mbap import Request
 
 MOST = 12  # FAILs of one fault
 LATE = ms(1300)
@@ -27,6 +28,28 @@ class Late(Device):
         self._requests += bool(events)
         self._late = LATE if events and self._requests % self._every == 0 else 0
         return super()._take(events, now)
+
+
+class Counting(Device):
+    """Makes its fault at each `every`-th answer."""
+
+    def __init__(self, rtu: bool, every: int) -> None:
+        super().__init__(rtu)
+        self._every, self._answers = every, 0
+
+    def due(self) -> bool:
+        self._answers += 1
+        return self._answers % self._every == 0
+
+
+class Twice(Counting):
+    def framed(self, said: bytes) -> bytes:
+        return said + said if self.due() else said
+
+
+class FailsOnce(Counting):
+    def serve(self, request: Request, now: Ns) -> bytes:
+        return bytes((request.pdu[0] | 0x80, 4)) if self.due() else super().serve(request, now)
 
 
 class Hangs(Device):
@@ -92,3 +115,22 @@ def test_an_answer_to_the_request_before_is_named_as_such() -> None:
     results = judged("modbus-rtu", lambda: Late(True, 7))
     (found,) = [result for result in results if result.purpose.id == "MBRTU_ANS_BV_01"]
     assert found.reason.startswith("the answer to the request before, function ")
+
+
+@pytest.mark.parametrize("every", [1, 9])
+def test_an_answer_that_comes_twice_is_a_fail(every: int) -> None:
+    """On TCP: on a line it spoils its own frame."""
+    results = judged("modbus-tcp", lambda: Twice(False, every))
+    found = [result for result in results if result.verdict is Verdict.FAIL]
+    assert found[0].reason == f"bytes that were not asked for follow an answer: {found[0].got}"
+    assert found[0].expected == "one answer to each request"
+    assert len(found) <= 3
+
+
+@pytest.mark.parametrize("suite", ["modbus-tcp", "modbus-rtu"])
+def test_a_failure_of_the_server_now_and_then_is_few_fails(suite: str) -> None:
+    results = judged(suite, lambda: FailsOnce(suite == "modbus-rtu", 15))
+    found = [result for result in results if result.verdict is Verdict.FAIL]
+    assert "was refused with 04h, and not when it was repeated" in found[0].reason
+    assert "exception 04h" in found[0].got
+    assert len(found) <= MOST
