@@ -21,6 +21,7 @@ from gateway.pure.languages.baps2.tree import (
     Move,
     Name,
     Parallel,
+    PointValue,
     Read,
     Repeat,
     Set,
@@ -399,6 +400,10 @@ class Bodies:
 
     def _set(self, statement: Set) -> None:
         target = self.target(statement.target)
+        if target.type is NONE and isinstance(statement.value, PointValue):
+            for each in statement.value.values:
+                self.typing.of(each)
+            return
         if target.type.base in POINTS and not target.type.is_array:
             value = self.typing.point(statement.value, target.type.kinematic or self.typing.kinematic)
         else:

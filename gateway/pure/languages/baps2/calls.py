@@ -104,7 +104,9 @@ def _place(bodies: Writer, tree: Expression, kind: Type) -> str:
             return text
     elif symbol is not None and symbol.kind == kind.base.lower():
         return symbol.python if symbol.reference else str(symbol.channel)
-    if symbol is None or not symbol.misread:
+    if symbol is None and isinstance(tree, Name):
+        bodies.names.unknown(tree.name, tree.at, f"{tree.name} is not declared")
+    elif symbol is None or not symbol.misread:
         bodies.names.faults.error("type", tree.at, f"{kind.base} is expected here")
     return ""
 

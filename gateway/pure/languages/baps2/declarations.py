@@ -16,7 +16,6 @@ from gateway.pure.languages.baps2.tree import (
     TypeName,
 )
 from gateway.pure.languages.baps2.type_names import KINEMATIC, TYPES, TypeReader
-from gateway.pure.languages.base.near import hint_of
 
 STARTERS = (*TYPES, "CONST", "PUBLIC", "DEF", "EXTERNAL", "SPC_FCT", "VALUE")
 BODY = ("BEGIN", "START", "PROGRAM_END", "SUB_END", "END", "SUBROUTINE", "PROGRAM")
@@ -56,7 +55,6 @@ class DeclarationReader(TypeReader):
             found += self._untyped()
             return True
         if self._of_no_kinematic():
-            found += self._pass_over(self._stream.place)
             return True
         if self._stream.token.kind is not Kind.NAME or self._stream.is_word(BODY):
             return False
@@ -94,9 +92,7 @@ class DeclarationReader(TypeReader):
         token = self._stream.token
         if token.word or self._stream.ahead().text != "." or self._stream.ahead(2).word not in KINEMATIC:
             return False
-        hint = hint_of(token.key, self._head.kinematics)
-        self._stream.faults.error("kinematic-unknown", token.position, f"kinematic {token.text} is not declared", hint)
-        self._head.kinematics.setdefault(token.key, max(self._head.kinematics.values(), default=0) + 1)  # its uses are consequences
+        self.unknown_kinematic()
         return True
 
     def _untyped(self) -> list[Declaration]:
@@ -349,10 +345,16 @@ class DeclarationReader(TypeReader):
             while True:
                 token = self._stream.name("the name of a parameter")
                 found.append(Parameter(token.position, token.key, kind, by_value))
-                if not (self._stream.sign(",") or self._no_comma_here(token)) or self._group():
+                if not (self._stream.sign(",") or self._no_comma_here(token)) or (self._group() and not self._name_without_type()):
                     break
             if not (self._group() or self._misspelt_value() or self._stream.is_sign(")")):
                 self._stream.wrong(f"')' is expected after the parameters, not {self._stream.token}", at=self._stream.gap)
+
+    def _name_without_type(self) -> bool:
+        """Whether a name follows a comma, and then the colon of a group without its type."""
+        token = self._stream.token
+        listed = self._stream.ahead(-1).text == "," and self._stream.ahead().text == ":"
+        return listed and token.kind is Kind.NAME and not token.word and not self._stream.slip(TYPES)
 
     def _no_comma_here(self, before: Token) -> bool:
         """Whether another parameter of the group follows without its comma; it is reported."""

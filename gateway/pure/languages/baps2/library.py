@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
+from gateway.pure.languages.baps2.blocks import blocks
 from gateway.pure.languages.baps2.commented import Commented
 from gateway.pure.languages.baps2.expansion import expanded
 from gateway.pure.languages.baps2.reader import read
@@ -72,7 +73,8 @@ class Library:
 
     def _read(self, source: SourceFile, faults: Faults, uses: set[str], repairs: Sequence[Repair] = ()) -> Program | None:
         for each in repairs:
-            faults.error("syntax", each.token.position, each.text, each.hint)
+            report = faults.apart if each.swap else faults.error
+            report(each.id, each.position, each.text, each.hint)
         try:
             return read(source, self._words, _Noted(self._store, uses), faults, [each.apply for each in repairs])
         except RecursionError:
@@ -141,7 +143,7 @@ class Library:
             return results[key][2]
 
         tokens, rows = expanded(source, self._words, self._store, Faults())
-        return results[repairs_of(tokens, trial, Commented(rows, self._words))]
+        return results[repairs_of(tokens, trial, (blocks, Commented(rows, self._words)))]
 
     def unit(self, name: str) -> tuple[Unit | None, Faults]:
         """Return a program that can run, or None with its faults; None without faults means that the source is missing."""

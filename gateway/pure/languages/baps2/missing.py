@@ -72,7 +72,8 @@ class Missing:
             return self._begun("WRITE", token)
         if token.kind is not Kind.NAME:
             return None
-        if token.key in self._declarations.semaphores:
+        alone = following.position.line != token.position.line and token.key in self._expressions.names
+        if token.key in self._declarations.semaphores or (alone and self._closes_on("EXCLUSIVE", "EXCLUSIVE_END")):
             return self._begun("EXCLUSIVE", token)
         if following.word == "EQUAL" and token.key in self._expressions.names:
             return self._begun("CASE", token)
@@ -137,7 +138,7 @@ class Missing:
         token, following = self._stream.token, self._stream.ahead()
         if token.kind is not Kind.NAME or token.word or following.text in (":", "=", "[", ".", "("):
             return None
-        if self._mistakes.is_known(token) or not self._stream.is_label(token.key):
+        if self._mistakes.is_known(token) or token.key in self._declarations.programs or not self._stream.is_label(token.key):
             return None
         self._report("JUMP", token)
         return Jump(token.position, self._stream.take().key)

@@ -188,6 +188,11 @@ class Mistakes:
         )
         return True
 
+    def is_label(self, token: Token) -> bool:
+        """Whether the name before `:` and `=` is no variable but one that a JUMP leads to, or the signs are apart: a name is missing."""
+        apart = not self._stream.ahead().touches(self._stream.ahead(2))
+        return (apart or token.key in self._stream.jumped) and token.key not in self._expressions.names
+
     def no_kinematic(self) -> str:
         """Read an undeclared name where a kinematic may be: not a teach point, whose list continues with a comma."""
         token, following = self._stream.token, self._stream.ahead()
@@ -225,7 +230,8 @@ class Mistakes:
         """Read a device or file that lacks the following comma."""
         token, following = self._stream.token, self._stream.ahead()
         names, device = self._expressions.names, token.key in DEVICES and token.key not in self._expressions.names
-        value = following.kind in (Kind.TEXT, Kind.NUMBER) or (following.kind is Kind.NAME and following.key in names)
+        function = following.key in FUNCTIONS and self._stream.ahead(2).text == "("
+        value = following.kind in (Kind.TEXT, Kind.NUMBER) or (following.kind is Kind.NAME and (following.key in names or function))
         if not (device or token.key in self._declarations.files) or not value or following.position.line != token.position.line:
             return ""
         if self._stream.ahead(2).text == "=":  # the next assignment
@@ -303,7 +309,8 @@ class Mistakes:
         if self._stream.word("THEN"):
             return
         token, at = self._stream.token, self._stream.token.position if self._stream.slip(("THEN",)) else self._stream.gap
-        if not self.starts() and not self._goes_on(("THEN",)):
+        called = token.key in self._stream.routines and self._stream.ahead().text == "("
+        if not called and not self.starts() and not self._goes_on(("THEN",)):
             self._stream.missing("THEN", "after the condition")
             raise Misread
         self._stream.faults.error("syntax", at, f"THEN is expected after the condition, not {token}")

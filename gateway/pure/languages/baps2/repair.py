@@ -1,4 +1,5 @@
-"""One sign or name that is missing or written twice causes several faults: it is put in or left out, and the program is read again.
+"""One sign or name that is missing, written twice or exchanged with its neighbour causes several faults: the slip is undone, and the
+program is read again.
 
 AX-1822.
 """
@@ -13,7 +14,7 @@ from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.mistakes import CLOSERS, WITH_OPERAND
 from gateway.pure.languages.baps2.type_names import KINEMATIC
 from gateway.pure.languages.base.faults import Faults, Severity
-from gateway.pure.languages.base.source import base_name
+from gateway.pure.languages.base.source import Position, base_name
 
 MOST_TOKENS = 15_000  # that are read again in all
 MOST_REPAIRS = 3  # of one program
@@ -21,6 +22,7 @@ MOST_NAMES = 4  # that are tried in one place
 MOST_GAPS = 12  # between which a bracket may be missing
 MOST_OPEN = 8  # opening brackets of one statement that are looked at, the innermost
 MOST_BEHIND = 200  # tokens after an opening bracket
+NEAR = 5  # of the middle of a pair from a fault, in half tokens
 MOST_PLACES = 1_000  # of one kind that are compared
 PAIRS = {")": "(", "]": "["}
 CLOSING = {"(": ")", "[": "]"}
@@ -36,7 +38,10 @@ _NAME = re.compile(r"@?[^\W\d]\w*")
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A token that is missing, or is written twice (drop).  `place`: its index, with those of the repairs before it in the text."""
+    """A token that is missing, is written twice (drop) or is exchanged with the next one (swap).
+
+    `place`: its index, with those of the repairs before it in the text.
+    """
 
     place: int
     token: Token
@@ -44,11 +49,21 @@ class Repair:
     hint: str = ""
     drop: bool = False
     more: tuple[Token, ...] = ()  # that follow it
+    swap: bool = False
+    id: str = "syntax"
+    at: Position | None = None  # where it is reported, if not at its own place
+
+    @property
+    def position(self) -> Position:
+        """Where it is reported."""
+        return self.at or self.token.position
 
     def apply(self, tokens: list[Token]) -> None:
         """Puts the token in its place, or leaves it out."""
         if self.drop:
             del tokens[self.place]
+        elif self.swap:
+            tokens[self.place : self.place + 2] = tokens[self.place : self.place + 2][::-1]
         else:
             tokens[self.place : self.place] = [self.token, *self.more]
 
@@ -57,9 +72,9 @@ Trial = Callable[[Sequence[Repair]], Faults]  # the faults of the program with t
 Finder = Callable[[Sequence[Token], Faults], Iterator[Repair]]
 
 
-def repairs_of(tokens: list[Token], trial: Trial, commented: Finder) -> tuple[Repair, ...]:
+def repairs_of(tokens: list[Token], trial: Trial, others: Sequence[Finder]) -> tuple[Repair, ...]:
     """The repairs that leave the fewest errors, each of which counts as one; () where none helps.  `tokens`: all of the program;
-    `commented`: finds semicolons that are meant as other signs.
+    `others`: find more of them.
     """
     chosen: tuple[Repair, ...] = ()
     faults = trial(())
@@ -67,14 +82,15 @@ def repairs_of(tokens: list[Token], trial: Trial, commented: Finder) -> tuple[Re
     while left and faults.errors > len(chosen) + 1 and len(chosen) < MOST_REPAIRS:
         best: Repair | None = None
         fewest = faults.errors
-        kinds = (_doubled, _brackets, _names, _signs, _labels, commented)
+        kinds = (_doubled, _brackets, _names, _exchanged, _signs, _labels, *others)
         places = [each for kind in kinds for each in islice(kind(tokens, faults), MOST_PLACES)]
         for each in _nearest(places, faults)[:left]:
             left -= 1
-            errors = trial((*chosen, each)).errors
-            if errors < fewest:
+            left_over = trial((*chosen, each))
+            errors = left_over.errors
+            if errors < fewest and not (each.swap and _errors_in(left_over, each.position) > 1):
                 best, fewest = each, errors
-            if errors <= len(chosen) + 1:
+            if fewest <= len(chosen) + 1:
                 break
         if best is None:
             break
@@ -84,23 +100,82 @@ def repairs_of(tokens: list[Token], trial: Trial, commented: Finder) -> tuple[Re
     return chosen
 
 
+def _errors_in(faults: Faults, at: Position) -> int:
+    """The errors in a line."""
+    return sum(each.severity is Severity.ERROR and each.position[:2] == at[:2] for each in faults)
+
+
 def _nearest(repairs: Sequence[Repair], faults: Faults) -> list[Repair]:
     """Those nearest to an error first."""
     lines = {each.position.line for each in faults if each.severity is Severity.ERROR}
-    return sorted(repairs, key=lambda each: min(abs(each.token.position.line - line) for line in lines))
+    return sorted(repairs, key=lambda each: min(abs(each.position.line - line) for line in lines))
 
 
 # ---- what is written twice
 
 
 def _doubled(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
-    """Names and numbers that follow themselves, in lines with a fault."""
+    """Tokens that follow themselves, in lines with a fault."""
     lines = {each.position[:2] for each in faults if each.severity is Severity.ERROR}
     for place in range(1, len(tokens)):
         before, token = tokens[place - 1], tokens[place]
-        same = token.key == before.key and token.kind in (Kind.NAME, Kind.NUMBER) and token.position[:2] == before.position[:2]
+        same = (token.kind, token.key) == (before.kind, before.key) and token.position[:2] == before.position[:2]
         if same and token.position[:2] in lines:
             yield Repair(place, token, f"{token} is written twice", drop=True)
+
+
+# ---- what is exchanged
+
+
+def _exchanged(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
+    """Neighbours in the line of a fault and near it, the nearest first."""
+    columns: dict[tuple[str, int], list[int]] = {}
+    for each in faults:
+        if each.severity is Severity.ERROR:
+            columns.setdefault(each.position[:2], []).append(each.position.column)
+    kinematics = {name.upper() for name in _named_kinematics(tokens)}
+    found: list[tuple[int, int]] = []
+    for at, end in _lines(tokens, columns):
+        faulty = {
+            min(range(at, end), key=lambda place: abs(tokens[place].position.column - column))
+            for column in columns[tokens[at].position[:2]]
+        }
+        found += [(min(_far(place, fault) for fault in faulty), place) for place in range(at, end - 1)]
+    for far, place in sorted(found):
+        first, second = tokens[place : place + 2]
+        if far <= NEAR and _may_be_exchanged(first, second) and not _lists(tokens, place, kinematics):
+            yield Repair(place, first, f"{first} and {second} are exchanged", f"write {second.text} {first.text}", swap=True)
+
+
+def _may_be_exchanged(first: Token, second: Token) -> bool:
+    """Not two operands, between which something is missing, and not `:=`."""
+    operands = all(each.kind in OPERANDS and not each.word for each in (first, second))
+    literal = Kind.NAME not in (first.kind, second.kind) or Kind.TEXT in (first.kind, second.kind)
+    other = Kind.INSTRUCTION in (first.kind, second.kind) or (first.text, second.text) == (":", "=")
+    return first.key != second.key and not other and not (operands and literal)
+
+
+def _lists(tokens: Sequence[Token], place: int, kinematics: Collection[str]) -> bool:
+    """Whether these are TO or VIA and the first of two points, between which something is missing."""
+    before, second = tokens[place - 1], tokens[place + 1]
+    behind = tokens[min(place + 2, len(tokens) - 1)]
+    points = second.kind is behind.kind is Kind.NAME and not behind.word and before.kind is Kind.NAME
+    return tokens[place].word in ("TO", "VIA") and points and second.key not in kinematics
+
+
+def _lines(tokens: Sequence[Token], wanted: Collection[tuple[str, int]]) -> Iterator[tuple[int, int]]:
+    """The first index and the one behind the last of each line that is wanted."""
+    at = 0
+    for place in range(1, len(tokens)):
+        if tokens[place].position[:2] != tokens[at].position[:2]:
+            if tokens[at].position[:2] in wanted:
+                yield at, place
+            at = place
+
+
+def _far(place: int, fault: int) -> int:
+    """How far the pair that begins at `place` is from the token with the fault, which is its second one as a rule."""
+    return abs(2 * (fault - place) - 1)
 
 
 # ---- brackets
@@ -208,8 +283,7 @@ def _early(before: Token, behind: Token, sign: str) -> int:
 def _names(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
     """Places of declarations that lack a name, with the names that are not known elsewhere."""
     wanted = _wanted(tokens, faults)[:MOST_NAMES]
-    instructions = [token.text.partition(";")[0] for token in tokens if token.kind is Kind.INSTRUCTION]
-    kinematics = [name for text in instructions for name in _kinematics(text)][:MOST_NAMES]
+    kinematics = _named_kinematics(tokens)[:MOST_NAMES]
     for place in range(1, len(tokens)):
         before, behind = tokens[place - 1], tokens[place]
         fresh = behind.position.line != before.position.line
@@ -229,6 +303,12 @@ def _names(tokens: Sequence[Token], faults: Faults) -> Iterator[Repair]:
             for token in wanted:
                 yield _named(place, token.text, tokens, f"{token.text} of line {token.position.line} is not declared")
             yield _named(place, "@_" if tokens[place - 2].word == "JC_POINT" else "_", tokens)
+
+
+def _named_kinematics(tokens: Sequence[Token]) -> list[str]:
+    """Return the names of the kinematics of the program."""
+    instructions = [token.text.partition(";")[0] for token in tokens if token.kind is Kind.INSTRUCTION]
+    return [name for text in instructions for name in _kinematics(text)]
 
 
 def _kinematics(instruction: str) -> list[str]:

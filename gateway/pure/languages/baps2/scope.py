@@ -1,6 +1,6 @@
 """The names of a program: meaning of each, and how a translated program reads, sets and passes it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 
@@ -78,7 +78,11 @@ class Names:
         line = self.head.commented.get(name)
         if line is not None:
             hint = f"line {line} has it in a comment after a semicolon"
-        self.once("name-unknown", name, at, text, hint_of(name, {*STANDARD_NAMES, *chain(*self.scopes)}) or hint)
+        self.once("name-unknown", name, at, text, self.like(name) or hint)
+
+    def like(self, name: str) -> str:
+        """A hint with the declared name that this one is like."""
+        return hint_of(name, {*STANDARD_NAMES, *chain(*self.scopes)})
 
     def once(self, id: str, name: str, at: Position, text: str, hint: str = "") -> None:
         """Reports a name that is nothing, at the first place only."""
@@ -94,8 +98,10 @@ class Names:
             self._values.setdefault((routine, number), []).append(at)
 
     def report_values(self) -> None:
-        """Values that were passed for variables; where all of several calls do so, it is the declaration that lacks its VALUE."""
-        several = [key for key, places in self._values.items() if len(places) > 1 and key not in self._variables]
+        """Values that were passed for variables; where all of several calls do so, or of a special function, the declaration lacks its
+        VALUE.
+        """
+        several = [key for key, places in self._values.items() if self._wants_value(key[0], places) and key not in self._variables]
         lacking = {each.type.at for key in several for each in self._written(*key)}  # one VALUE serves its group
         for key, places in self._values.items():
             written = self._written(*key)
@@ -106,6 +112,11 @@ class Names:
             for at in places:
                 text = "a variable or an element is expected, which the subroutine can set"
                 self.faults.error("not-assignable", at, text, "use VALUE for expressions")
+
+    def _wants_value(self, routine: str, places: Sequence[Position]) -> bool:
+        """Whether so many values show that VALUE is missing: several, or one for a special function, whose form is given."""
+        symbol = self.find(routine)
+        return len(places) > 1 or (symbol is not None and symbol.kind == "special")
 
     def _written(self, routine: str, number: int) -> tuple[Parameter, ...]:
         """The parameter as this program declares it; none: another one does."""

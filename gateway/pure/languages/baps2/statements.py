@@ -138,7 +138,7 @@ class StatementReader:
         assigned = following.text in ASSIGNED and following.kind is Kind.SIGN
         if assigned and is_name:  # the most frequent one
             return self._set()
-        assigned = assigned or (following.text == ":" and self._stream.ahead(2).text == "=")
+        assigned = assigned or (following.text == ":" and self._stream.ahead(2).text == "=" and not self._mistakes.is_label(token))
         if is_name and following.text == ":" and following.kind is Kind.SIGN and not assigned:
             self._stream.length(self._stream.take())
             self._stream.take()
@@ -226,6 +226,8 @@ class StatementReader:
             return CallStatement(name.position, name.key, arguments)
         if token.kind is Kind.NAME and (not token.word or self._expressions.names_it(token) or self._stream.ahead().text in ("=", ":")):
             return CallStatement(name.position, name.key, arguments)
+        if token.kind in (Kind.NUMBER, Kind.TEXT) and token.position.line != self._stream.ahead(-1).position.line:
+            return CallStatement(name.position, name.key, arguments)
         self._mistakes.pass_over(-1)
         return CallStatement(name.position, name.key, arguments, (token.position, str(token)))
 
@@ -307,6 +309,8 @@ class StatementReader:
         self._stream.sign(",")
         if self._stream.is_sign(">=", "<=", ">", "<", "="):
             sign = self._stream.take()
+            if self._stream.ends_line():
+                self._stream.wrong(f"a value is expected, not {self._stream.token}")
             return Sync(at, belt.key, Binary(sign.position, sign.text, Name(belt.position, belt.key), self._expressions.sum()))
         return Sync(at, belt.key, self._expressions.read())
 
@@ -359,9 +363,9 @@ class StatementReader:
         """Takes the word that ends a construct; where there is another one, the construct is reported and left."""
         closed = self._stream.word(end)
         if not closed:
-            self._stream.faults.error(
-                "not-closed", self._stream.token.position, f"{end} is expected for {begin} of line {at.line}, not {self._stream.token}"
-            )
+            token = self._stream.token
+            hint = f"{token} of line {token.position.line} ends what is around it" if token.kind is not Kind.END else ""
+            self._stream.faults.error("not-closed", at, f"{begin} has no {end}", hint)
         return closed
 
     def _case(self, at: Position) -> Case:
@@ -384,7 +388,7 @@ class StatementReader:
 
     def _another(self) -> bool:
         """Whether another choice is next."""
-        misspelt = self._stream.is_word(("EQUAL",)) or self._mistakes.misspelt(IN_CASE)
+        misspelt = self._stream.is_word(("EQUAL",)) or self._mistakes.misspelt((*IN_CASE, "ELSE"))
         return self._stream.is_word(("EQUAL",)) if misspelt else self._missing.equal()
 
     def _choice(self) -> Choice:

@@ -239,6 +239,10 @@ class Stream:
         """Whether this token, or the next one, is a word of the other language alone."""
         return is_foreign(token or self.token, language_of(self._tokens, self._words), self._words)
 
+    def read_as_key(self, key: str) -> None:
+        """From now on the next token is this name."""
+        self.token = self._tokens[self._next] = self.token._replace(key=key)
+
     def read_as_name(self) -> None:
         """From now on the next token is a name."""
         self.token = self._tokens[self._next] = self.token._replace(word="")

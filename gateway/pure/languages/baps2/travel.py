@@ -123,7 +123,9 @@ def _belt(bodies: Writer, statement: Sync | Synchron) -> int | None:
     symbol = bodies.names.find(statement.belt)
     if symbol is None or symbol.kind != "belt":
         if symbol is None or not symbol.misread:
-            bodies.names.faults.error("belt-unknown", statement.at, f"{statement.belt} is not a belt")
+            bodies.names.once(
+                "belt-unknown", statement.belt, statement.at, f"{statement.belt} is not a belt", bodies.names.like(statement.belt)
+            )
         return None
     return symbol.channel
 

@@ -4,6 +4,7 @@ from gateway.pure.languages.baps2.expressions import ExpressionReader
 from gateway.pure.languages.baps2.lexer import Kind, Token
 from gateway.pure.languages.baps2.stream import Misread, Stream
 from gateway.pure.languages.baps2.tree import Expression, Faulty, Head, TypeName
+from gateway.pure.languages.base.near import hint_of, nearest
 from gateway.pure.languages.base.source import Position
 
 PLAIN = ("INTEGER", "REAL", "BINARY", "CHAR", "TEXT")
@@ -16,6 +17,16 @@ class TypeReader:
 
     def __init__(self, stream: Stream, expressions: ExpressionReader, head: Head) -> None:
         self._stream, self._expressions, self._head = stream, expressions, head
+
+    def unknown_kinematic(self) -> None:
+        """Report the kinematic that is next and not declared; it is read as the one that it is like, if there is one."""
+        token = self._stream.token
+        hint = hint_of(token.key, self._head.kinematics)
+        self._stream.faults.error("kinematic-unknown", token.position, f"kinematic {token.text} is not declared", hint)
+        if meant := nearest(token.key, self._head.kinematics):
+            self._stream.read_as_key(meant)
+        else:
+            self._head.kinematics[token.key] = max(self._head.kinematics.values(), default=0) + 1  # its uses are consequences
 
     def _is_kinematic(self, token: Token) -> bool:
         return token.kind is Kind.NAME and self._stream.ahead().text == "." and token.key in self._head.kinematics
@@ -49,7 +60,8 @@ class TypeReader:
             self._stream.take()
             self._stream.take()
         elif self._stream.ahead().text == "." and self._stream.ahead(2).word in KINEMATIC:
-            self._stream.wrong(f"kinematic {token.text} is not declared", "kinematic-unknown", token.position)
+            self.unknown_kinematic()
+            return self.type_name()
         word = self._stream.token.word
         if word not in TYPES or (kinematic and word not in KINEMATIC):
             self._stream.wrong(f"a type is expected, not {self._stream.token}")

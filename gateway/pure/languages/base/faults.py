@@ -57,6 +57,10 @@ class Faults:
         """An error; the same kind of error at the same place counts once."""
         self.add(SourceFault(id, position, text, Severity.ERROR, hint))
 
+    def apart(self, id: str, position: Position, text: str, hint: str = "") -> None:
+        """An error beside which another one at its place counts too."""
+        self._found.append(SourceFault(id, position, text, Severity.ERROR, hint))
+
     def spoilt(self, position: Position) -> None:
         """Mark a token named by an error, which is still read: later faults at its place are consequences."""
         self._spoilt.add(position)

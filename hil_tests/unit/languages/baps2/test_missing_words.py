@@ -38,7 +38,7 @@ def places(found: list[SourceFault]) -> list[tuple[int, int]]:
         ("I = 1\nREPEAT_END\nI = 2", 1, 1, "REPEAT"),
         ("I = 1\nALSO\nI = 2\nALSO\nI = 3\nPARALLEL_END\nI = 4", 1, 1, "PARALLEL"),
         ("RPT 2 TIMES\nI = 1\nALSO\nI = 2\nPARALLEL_END\nRPT_END", 2, 1, "PARALLEL"),
-        ("L1: PARALLEL\n I = 1\nALSO\n I = 2\nJUMP L1", 5, 1, "PARALLEL_END"),
+        ("L1: PARALLEL\n I = 1\nALSO\n I = 2\nJUMP L1", 0, 5, "PARALLEL_END"),
         ("S\nI = 1\nEXCLUSIVE_END", 0, 1, "EXCLUSIVE"),
         ("EXCLUSIVE\nI = 1\nEXCLUSIVE_END", 0, 10, "a semaphore"),
         ("WAIT E1 = 0 MAX_TIME = 3 ERROR I = 1", 0, 6, "UNTIL"),

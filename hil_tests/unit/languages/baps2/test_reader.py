@@ -157,8 +157,8 @@ def test_all_faults_of_a_file_are_reported_with_their_lines() -> None:
 def test_what_is_not_closed_names_the_line_it_began_in() -> None:
     _, faults = read_text("PROGRAM P\nBEGIN\nREPEAT 3 TIMES\nHALT\nPROGRAM_END")
     fault = next(iter(faults))
-    assert (fault.id, fault.position.line) == ("not-closed", 5)
-    assert "line 3" in fault.text
+    assert (fault.id, fault.position.line) == ("not-closed", 3)
+    assert "line 5" in fault.hint
 
 
 def test_included_files_are_read_in_their_place_and_loops_of_them_end() -> None:
