@@ -18,7 +18,7 @@ from gateway.pure.languages.val3.loader import Loader
 from gateway.pure.languages.val3.model import Application
 from gateway.runtime.exit_codes import Exit
 from gateway.tools.new_cell.val3_cell import Parts, cell_of, drives_of
-from gateway.tools.usage_language import val3_text
+from gateway.tools.usage_language import val3_card_text, val3_text
 
 CELLS = {"rx": "cs8", "rs": "scara"}  # family of arms -> shipped cell whose drives and plant are used
 
@@ -65,7 +65,7 @@ def _imported(options: argparse.Namespace, folder: pathlib.Path) -> int:
     else:
         print(val3_text(f"{out} written, application {chosen.name}.  next: axisgate check {out}      then: axisgate run {out} --sim"))
         for doubt in doubts:
-            print(f"  {val3_text(doubt)}", file=sys.stderr)
+            print(f"  {val3_card_text(doubt)}", file=sys.stderr)
     return Exit.OK
 
 

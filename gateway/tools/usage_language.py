@@ -20,6 +20,7 @@ FAULTS = ("usage", "command-faults")  # of configs/texts
 REPORTS = ("robotstar-words", "robotstar-check", "plc-import", "robotstar", "refusals")
 RHO3 = ("baps2-check", "pic-check")
 PLACE = re.compile(r"(?:step (\d+)|([A-Z]\w*(?:\[\w*\])?(?:\(\w*\))?)): ")  # step, command or operand before a sentence
+CARD_FAULT = re.compile(r"(.+?) line (\d+): (.+?)(; the file is left out)?")  # a file of a flash card
 WRITTEN_OUT = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})  # for every code page (AX-253)
 
 
@@ -62,6 +63,17 @@ def val3_text(sentence: str) -> str:
 def val3_fault_text(sentence: str) -> str:
     """A fault in the files of an application, in the user's language; the words of a controller stay as they are."""
     return spoken("val3-files").german(sentence).translate(WRITTEN_OUT) if _language() == "de" else sentence
+
+
+def val3_card_text(sentence: str) -> str:
+    """An open point of a flash card, in the user's language: a fault of XML in it is a sentence of its own."""
+    if _language() != "de" or (read := CARD_FAULT.fullmatch(sentence)) is None:
+        return val3_text(sentence)
+    name, line, fault, left_out = read.groups()
+    said = val3_fault_text(fault)
+    if left_out:
+        return val3_text(f"{name} line {line}: {said}{left_out}")
+    return val3_text(sentence) if said == fault else f"{name} Zeile {line}: {said}"
 
 
 def fault_text(fault: SourceFault, said: Callable[[str], str] = report_text) -> str:

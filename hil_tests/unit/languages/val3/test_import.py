@@ -320,3 +320,29 @@ def test_an_import_is_reported_in_german_and_names_a_wrong_port_once(
     job = str(folder / "usr" / "usrapp" / "job")
     assert main(["check", job]) == 0 and capsys.readouterr().out == "job: 2 Programme, 2 Daten, 0 Fehler\n"
     assert main(["run", job, "--virtual"]) == 0 and capsys.readouterr().out.startswith("beendet nach ")
+
+
+@pytest.mark.parametrize(
+    ("sio", "doubt"),
+    [
+        (
+            b"<sio><socketSrv>",
+            "sio.cfx Zeile 2: kein wohlgeformtes XML: kein Element gefunden, "
+            "<socketSrv> von Zeile 2 ist nicht geschlossen; die Datei entfaellt",
+        ),
+        (b"<sio>&x;</sio>", "sio.cfx Zeile 2: kein wohlgeformtes XML: unbekannte Entitaet; die Datei entfaellt"),
+        (b"", "sio.cfx Zeile 2: kein wohlgeformtes XML: kein Element gefunden; die Datei entfaellt"),
+        (
+            b'<sio><socketSrv><String name="name" value="T\xfcr" /></socketSrv></sio>',
+            "sio.cfx Zeile 2: Byte FCh ist kein UTF-8; die Datei wurde als Windows-1252 gelesen",
+        ),
+    ],
+)
+def test_faults_of_the_cards_files_are_reported_in_german(
+    sio: bytes, doubt: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = card(tmp_path, App("job", "", {"start": "wait(true)"}), sio_cfx=SIO)
+    (next(folder.rglob("sio.cfx"))).write_bytes(HEAD.encode() + sio)
+    monkeypatch.setenv("LC_ALL", "de_DE.UTF-8")
+    assert main(["import", str(folder), "--out", str(tmp_path / "c.toml")]) == 0
+    assert capsys.readouterr().err.splitlines()[0].strip() == doubt
