@@ -12,6 +12,7 @@ from gateway.pure.languages.base.source import Position
 from gateway.pure.languages.pic import words
 from gateway.pure.languages.pic.expressions import FLAGS, INPUTS, OUTPUTS, Expression, Operand, chain, constant, inverted, joined
 from gateway.pure.languages.pic.lexer import Kind, Token, tokens_of
+from gateway.pure.languages.pic.slips import slip_of
 from gateway.pure.languages.pic.symbols import Area, Bit, Symbols, address
 from gateway.pure.languages.pic.token_reader import TokenReader
 from gateway.pure.languages.plc.commands import Code, Command, Program, Routine
@@ -19,6 +20,7 @@ from gateway.pure.languages.plc.commands import Code, Command, Program, Routine
 FIRST = {Area.INPUT: INPUTS, Area.OUTPUT: OUTPUTS, Area.FLAG: FLAGS}
 DEEPEST = 40  # statements or brackets one in the other
 UNKNOWN = Bit(Area.FLAG, 0, 0)  # stands in for a reported operand
+MOST_ERRORS = 1_000
 END_LABEL = "\0end"  # no name of a program
 
 
@@ -37,13 +39,25 @@ class _Wrong(Exception):
 def read_program(text: str, file: str, symbols: Symbols, faults: Faults) -> PicProgram | None:
     """None: it has errors."""
     before = faults.errors
-    reader = Reader(tokens_of(text, file, faults), symbols, faults)
-    reader.read()
+    tokens = tokens_of(text, file, faults)
+    reader, found = _read(tokens, symbols)
+    if found.errors > 1 and (slip := slip_of(tokens, found, lambda trial: _read(trial, symbols)[1])) is not None:
+        faults.add(slip[0])
+        found = slip[1]
+    for fault in found:
+        faults.add(fault)
     if faults.errors > before:
         return None
     name = file.upper()
     routine = Routine(name, tuple(reader.commands), len(text.splitlines()))
     return PicProgram(Program(name, {name: routine}), reader.outputs)
+
+
+def _read(tokens: list[Token], symbols: Symbols) -> "tuple[Reader, Faults]":
+    found = Faults(MOST_ERRORS)
+    reader = Reader(tokens, symbols, found)
+    reader.read()
+    return reader, found
 
 
 @dataclass(slots=True)
