@@ -139,6 +139,10 @@ class ModbusTester(Tester):
         if self.closed:
             self.reconnect()
         self.wire.late_ns, self.missed = 0, ""
+        if self.setup.unsteady == self.case:  # the case is repeated, and judges anew
+            self.setup.unsteady = ""
+        if self.setup.refusals_end == self.case:
+            self.setup.refusals_end = ""
 
     def standing(self) -> None:
         """An answer that is missed now and then is one FAIL, in the first case that meets it."""

@@ -20,7 +20,6 @@ from gateway.pure.languages.plc.commands import Code, Command, Program, Routine
 FIRST = {Area.INPUT: INPUTS, Area.OUTPUT: OUTPUTS, Area.FLAG: FLAGS}
 DEEPEST = 40  # statements or brackets one in the other
 UNKNOWN = Bit(Area.FLAG, 0, 0)  # stands in for a reported operand
-MOST_ERRORS = 1_000
 END_LABEL = "\0end"  # no name of a program
 
 
@@ -54,7 +53,8 @@ def read_program(text: str, file: str, symbols: Symbols, faults: Faults) -> PicP
 
 
 def _read(tokens: list[Token], symbols: Symbols) -> "tuple[Reader, Faults]":
-    found = Faults(MOST_ERRORS)
+    """Read all statements, with faults of their own."""
+    found = Faults()
     reader = Reader(tokens, symbols, found)
     reader.read()
     return reader, found

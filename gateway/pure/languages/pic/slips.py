@@ -106,7 +106,7 @@ def _exchanged(tokens: Sequence[Token], line: range) -> Iterator[Slip]:
 
 
 def _colons(tokens: Sequence[Token], line: range) -> Iterator[Slip]:
-    """The name of a label alone in its line; in an instruction list a hyphen precedes it, and what follows the name is left out."""
+    """A label alone in its line that lacks its colon or its name; in an instruction list a hyphen precedes the name."""
     row = tokens[line.start : line.stop]
     name, hyphen = row[-1], row[0].text == "-"
     if len(row) == 1 and name.kind is Kind.NAME:
@@ -132,7 +132,7 @@ def _jumped(tokens: Sequence[Token]) -> list[str]:
 
 
 def _operands(tokens: Sequence[Token], line: range) -> Iterator[Slip]:
-    """A signal that is missing: at the end of the line, before = and between two words of an expression."""
+    """A signal that is missing at the end of the line or before =."""
     row = tokens[line.start : line.stop]
     for at in range(len(row) + 1):
         before = row[at - 1] if at else None

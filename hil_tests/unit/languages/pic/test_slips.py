@@ -74,7 +74,7 @@ def test_other_errors_stay_beside_the_slip() -> None:
 
 
 def test_two_errors_that_one_slip_does_not_explain_stay_as_they_are() -> None:
-    found = faults_of("FREE = NOWHERE\nHORN = NOBODY\n")
+    found = faults_of("FREE = NOWHERE\nHORN = NOWAY\n")
     assert [fault.position.line for fault in found] == [1, 2]
 
 

@@ -8,7 +8,9 @@ from gateway.conformance.framework.result import Result
 from gateway.conformance.peers.modbus_devices import Device
 from gateway.conformance.peers.score import fails, play
 from gateway.conformance.peers.stations import Variant
+from gateway.conformance.suites.modbus.tester import ModbusSetup, ModbusTester
 from gateway.conformance.suites.registry import SUITES
+from gateway.links.serial.tool_wire import VirtualWire
 from gateway.pure.conformance.verdict import Verdict
 from protocols.base.machine import Ns, ms
 from protocols.modbus.mbap import Request
@@ -134,3 +136,14 @@ def test_a_failure_of_the_server_now_and_then_is_few_fails(suite: str) -> None:
     assert "was refused with 04h, and not when it was repeated" in found[0].reason
     assert "exception 04h" in found[0].got
     assert len(found) <= MOST
+
+
+def test_a_case_that_is_repeated_judges_missed_answers_anew() -> None:
+    """A host that was late may have caused the first finding: no other case may refer to it."""
+    tester = ModbusTester(lambda: VirtualWire(Device(False), 0), ModbusSetup(unsteady="A", refusals_end="A"), rtu=False)
+    tester.case = "B"
+    tester.begin()
+    assert (tester.setup.unsteady, tester.setup.refusals_end) == ("A", "A")
+    tester.case = "A"
+    tester.begin()
+    assert (tester.setup.unsteady, tester.setup.refusals_end) == ("", "")
